@@ -3,18 +3,20 @@
 //!
 //! ```text
 //! sound file -Parts::of-> records, pages -a change, lay_out, seal-> bad file
-//!   torture   any sound file: each kind of corruption, with the code that a reader must give
-//!   damage    any sound file: one place changed by a fuzzer
+//!   torture     any sound file: each kind of corruption, with the code that a reader must give
+//!   forgeries   golden files: promises that not every file has, with code and words of the message
+//!   damage      any sound file: one place changed by a fuzzer
 //! ```
 
 pub mod damage;
 mod dice;
+pub mod forgeries;
 mod golden;
 mod parts;
 pub mod torture;
 
 use crate::container::verify;
-use crate::{Container, FormatError};
+use crate::{Container, FormatError, Source};
 
 pub use dice::Dice;
 pub use golden::{GOLDEN, golden};
@@ -24,8 +26,7 @@ pub use parts::{Digests, Page, Parts};
 ///
 /// # Errors
 /// The first broken promise.
-#[allow(clippy::ptr_arg, reason = "an unsized slice makes no &dyn Source")]
-pub fn check(file: &Vec<u8>) -> Result<(), FormatError> {
+pub fn check(file: &dyn Source) -> Result<(), FormatError> {
     let container = Container::open(file)?;
     verify::check_material_surfaces(&container)?;
     verify::check_pages(&container, file)?;

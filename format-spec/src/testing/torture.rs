@@ -91,46 +91,25 @@ struct Cases<'a> {
     sink: &'a mut dyn FnMut(Case),
 }
 
-/// The code of a sound file.
-const PASSES: Option<u32> = None;
+/// In place of a code: the file is sound.
+const PASSES: u32 = 0;
 
 impl Cases<'_> {
-    fn give(
-        &mut self,
-        kind: u8,
-        label: &str,
-        done: impl Into<String>,
-        expected: impl Into<Option<u32>>,
-        bytes: Vec<u8>,
-    ) {
-        let (label, done, expected) = (label.to_owned(), done.into(), expected.into());
-        (self.sink)(Case { kind, label, done, expected, bytes });
+    fn give(&mut self, kind: u8, label: &str, done: &str, code: u32, bytes: Vec<u8>) {
+        let expected = (code != PASSES).then_some(code);
+        (self.sink)(Case { kind, label: label.to_owned(), done: done.to_owned(), expected, bytes });
     }
 
     /// Records or pages changed in place, every digest made to fit.
-    fn poke(
-        &mut self,
-        kind: u8,
-        label: &str,
-        done: impl Into<String>,
-        expected: impl Into<Option<u32>>,
-        edit: impl FnOnce(&mut Parts),
-    ) {
+    fn poke(&mut self, kind: u8, label: &str, done: &str, code: u32, edit: impl FnOnce(&mut Parts)) {
         let mut parts = self.subject.parts.clone();
         edit(&mut parts);
-        self.give(kind, label, done, expected, parts.seal(Digests::Pages));
+        self.give(kind, label, done, code, parts.seal(Digests::Pages));
     }
 
     /// The file put together anew.
-    fn rebuild(
-        &mut self,
-        kind: u8,
-        label: &str,
-        done: impl Into<String>,
-        expected: impl Into<Option<u32>>,
-        edit: impl FnOnce(&mut Parts),
-    ) {
-        self.poke(kind, label, done, expected, |parts| {
+    fn rebuild(&mut self, kind: u8, label: &str, done: &str, code: u32, edit: impl FnOnce(&mut Parts)) {
+        self.poke(kind, label, done, code, |parts| {
             edit(parts);
             parts.lay_out();
         });

@@ -3,34 +3,34 @@
 use std::collections::BTreeSet;
 use std::io;
 
-use crate::forge::bits::bit_cases;
-use crate::forge::content::content_cases;
-use crate::forge::directions::directions_cases;
-use crate::forge::layout::{layout_cases, work_cases};
-use crate::forge::near::near_cases;
-use crate::forge::physical::physical_cases;
-use crate::forge::{forge, golden_file, read_all, verdict};
 use flb_format::error::CODES;
 use flb_format::records::*;
-use flb_format::{Container, ErrorClass, Source};
+use flb_format::testing::forgeries::Forgery;
+use flb_format::testing::{Digests, Parts, check, golden};
+use flb_format::{Container, ErrorClass, FormatError, Source};
+
+use crate::said::bad_files;
 
 const RAW: &str = "raw-f32";
+
+/// What [`check`] looks at, by putting every medium and every field together.
+fn read_all(bytes: &dyn Source) -> Result<(), FormatError> {
+    let container = Container::open(bytes)?;
+    for (i, species) in container.species().iter().enumerate() {
+        container.read_medium(bytes, i)?;
+        species.extinction.map(|_| container.read_turbid(bytes, i)).transpose()?;
+        species.blocks.map(|_| container.read_shared(bytes, i)).transpose()?;
+        species.bases.iter().try_for_each(|base| container.read_field(bytes, i, base.base).map(drop))?;
+    }
+    Ok(())
+}
 
 #[test]
 fn every_broken_promise_gets_its_code_place_and_words() {
     let mut seen = BTreeSet::from([1000, 6001, 6002, 6003, 6004, 6005, 6006, 6007]); // in the tests below and of `room`
     let mut wrong = Vec::new();
-    let cases = [
-        layout_cases(),
-        work_cases(),
-        content_cases(),
-        physical_cases(),
-        directions_cases(),
-        near_cases(),
-        bit_cases(),
-    ];
-    for (i, (code, words, bytes)) in cases.into_iter().flatten().enumerate() {
-        let Err(error) = verdict(&bytes) else {
+    for (i, Forgery { code, words, bytes }) in bad_files().into_iter().enumerate() {
+        let Err(error) = check(&bytes) else {
             wrong.push(format!("case {i} ({code}, {words}): accepted"));
             continue;
         };
@@ -65,14 +65,14 @@ fn spec_lists_every_code_and_no_other() {
 
 #[test]
 fn unknown_optional_sections_features_and_minor_versions_pass() {
-    let file = forge(RAW, |parts| {
-        let last = parts.sections.last_mut().expect("a file has sections");
-        (last.key.kind, last.key.species, last.flags) = (77, NO_SPECIES, 0);
-        (last.codec, last.lattice, last.bands, last.threshold) = (1234, 7, 99, f32::NAN);
-        parts.header.optional_features = u64::MAX;
-        parts.header.version = (1, 9);
-    });
-    verdict(&file).expect("what is optional may be unknown");
+    let mut parts = Parts::of(&golden(RAW));
+    let last = parts.sections.last_mut().expect("a file has sections");
+    (last.key.kind, last.key.species, last.flags) = (77, NO_SPECIES, 0);
+    (last.codec, last.lattice, last.bands, last.threshold) = (1234, 7, 99, f32::NAN);
+    parts.header.optional_features = u64::MAX;
+    parts.header.version = (1, 9);
+    let file = parts.seal(Digests::Pages);
+    check(&file).expect("what is optional may be unknown");
     let container = Container::open(&file).expect("it opens");
     assert_eq!(container.species()[0].bases.len(), 1);
     assert_eq!(container.format_version(), (1, 9));
@@ -80,7 +80,7 @@ fn unknown_optional_sections_features_and_minor_versions_pass() {
 
 #[test]
 fn requests_that_a_file_cannot_answer_are_refused() {
-    let file = golden_file(RAW);
+    let file = golden(RAW);
     let container = Container::open(&file).expect("it opens");
     let base = container.find_base(0, 1).expect("the file has base 1").section;
     let texts = [
@@ -104,7 +104,7 @@ fn requests_that_a_file_cannot_answer_are_refused() {
 
 #[test]
 fn a_base_that_was_left_out_is_refused_with_the_reason() {
-    let file = golden_file("left-out");
+    let file = golden("left-out");
     let container = Container::open(&file).expect("it opens");
     let refusal = |base| container.read_field(&file, 0, base).expect_err("it is not there").to_string();
     let reason = "upright plants under the whole sky; band B is not drawn";
@@ -134,7 +134,7 @@ impl Source for Broken {
 
 #[test]
 fn a_file_that_cannot_be_read_is_an_input_error() {
-    let bytes = golden_file(RAW);
+    let bytes = golden(RAW);
     let length = bytes.len() as u64;
     for (readable, place) in [(100, "file at byte 0"), (200, "table of contents at byte 128")] {
         let error = Container::open(&Broken(bytes.clone(), readable)).expect_err("it cannot be read");

@@ -1,6 +1,6 @@
 //! Files of the format, whole and damaged, read by this crate and by `reader.py`.
 
-mod forge;
+mod said;
 
 mod corruption;
 mod damage;

@@ -3,12 +3,15 @@
 use std::path::Path;
 use std::process::{Command, Output};
 
-use crate::forge::{self, golden, golden_file};
 use flb_format::container::digest;
 use flb_format::container::verify::hexadecimal;
-use flb_format::records::{CODEC_CLASSED, CODEC_HAAR, MEDIUM_ITEMS, STORED_ZSTD};
+use flb_format::records::{KIND_BASE, MEDIUM_ITEMS, STORED_ZSTD};
+use flb_format::testing::forgeries::sound_blocks;
+use flb_format::testing::{Digests, GOLDEN, Parts, check, golden};
 use flb_format::{Container, ErrorClass, Field, canonical};
 use serde_json::{Value, json};
+
+use crate::said::bad_files;
 
 fn run_reader(path: &Path) -> Output {
     let reader = concat!(env!("CARGO_MANIFEST_DIR"), "/reader.py");
@@ -73,10 +76,10 @@ fn summary(bytes: &Vec<u8>) -> Value {
 
 #[test]
 fn the_python_reader_and_this_one_agree_on_every_golden_file() {
-    for (name, bytes) in golden() {
-        let output = run_reader(&golden_path(&name));
+    for (name, bytes) in GOLDEN {
+        let (bytes, output) = (&bytes.to_vec(), run_reader(&golden_path(name)));
         let talk = String::from_utf8_lossy(&output.stderr).into_owned();
-        let container = Container::open(&bytes).expect("golden files open");
+        let container = Container::open(bytes).expect("golden files open");
         let zstd = (0..container.sections().len())
             .any(|s| container.pages(s).iter().any(|page| page.compression == STORED_ZSTD));
         if zstd && lacks_zstd(&output) {
@@ -85,7 +88,7 @@ fn the_python_reader_and_this_one_agree_on_every_golden_file() {
         }
         assert!(output.status.success(), "{name}: {talk}");
         let found: Value = serde_json::from_slice(&output.stdout).expect("reader.py prints JSON");
-        assert_eq!(found, summary(&bytes), "{name}");
+        assert_eq!(found, summary(bytes), "{name}");
     }
 }
 
@@ -93,10 +96,8 @@ fn the_python_reader_and_this_one_agree_on_every_golden_file() {
 fn the_python_reader_and_this_one_agree_on_blocks_that_no_writer_makes() {
     let folder = tempfile::tempdir().expect("a temporary folder");
     let path = folder.path().join("any.flb");
-    let random = [(1, CODEC_CLASSED, 5), (2, CODEC_HAAR, 5), (3, CODEC_CLASSED, 1), (4, CODEC_HAAR, 8)]
-        .map(|(seed, codec, eighths)| forge::any::blocks(seed, codec, eighths));
-    for (i, file) in random.into_iter().chain(forge::bits::sound()).enumerate() {
-        forge::verdict(&file).unwrap_or_else(|error| panic!("file {i}: {error}"));
+    for (i, file) in sound_blocks().into_iter().enumerate() {
+        check(&file).unwrap_or_else(|error| panic!("file {i}: {error}"));
         std::fs::write(&path, &file).expect("the temporary folder is writable");
         let output = run_reader(&path);
         assert!(output.status.success(), "file {i}: {}", String::from_utf8_lossy(&output.stderr));
@@ -114,9 +115,12 @@ fn the_python_reader_and_this_one_agree_on_numbers_between_two_shortest_spelling
     let written = canonical::to_bytes(&json!(ties)).expect("they are numbers");
     let written = String::from_utf8(written).expect("JSON is UTF-8");
     assert_eq!(written, "[545.6799926757812,2.9802322387695312e-8,2053053597086840.2]");
-    let file = forge::content::metadata_text(|text| {
-        text.replace("\"note\":", &format!("\"nose\":{written},\"note\":"))
-    });
+    let mut parts = Parts::of(&golden("raw-f32"));
+    let text = String::from_utf8(parts.stored(0, 0).to_vec()).expect("metadata are UTF-8");
+    let text = text.replace("\"note\":", &format!("\"nose\":{written},\"note\":"));
+    parts.set_payload(0, 0, text.as_bytes());
+    parts.lay_out();
+    let file = parts.seal(Digests::Pages);
     std::fs::write(&path, &file).expect("the temporary folder is writable");
     let output = run_reader(&path);
     assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
@@ -128,28 +132,18 @@ fn the_python_reader_and_this_one_agree_on_numbers_between_two_shortest_spelling
 fn the_python_reader_finds_the_same_faults() {
     let folder = tempfile::tempdir().expect("a temporary folder");
     let flipped = |at: usize| {
-        let mut bytes = golden_file("haar-paper");
+        let mut bytes = golden("haar-paper");
         let at = if at == usize::MAX { bytes.len() - 1 } else { at };
         bytes[at] ^= 1;
         bytes
     };
-    let truncated = golden_file("raw-f32")[..5000].to_vec();
-    let threshold = forge::forge("haar-paper", |parts| {
-        let base = parts.base();
-        parts.sections[base].threshold = 0.5;
-    });
-    let cases =
-        [flipped(0), flipped(8), flipped(40), flipped(130), flipped(usize::MAX), truncated, threshold];
-    let lists = [
-        forge::layout::layout_cases(),
-        forge::content::content_cases(),
-        forge::physical::physical_cases(),
-        forge::directions::directions_cases(),
-        forge::near::near_cases(),
-        forge::bits::bit_cases(),
-    ];
-    let contents = lists.into_iter().flatten().map(|(_, _, bytes)| bytes);
-    let files: Vec<Vec<u8>> = cases.into_iter().chain(contents).collect();
+    let mut files = [0, 8, 40, 130, usize::MAX].map(flipped).to_vec();
+    files.push(golden("raw-f32")[..5000].to_vec());
+    let mut parts = Parts::of(&golden("haar-paper"));
+    let base = parts.find(KIND_BASE, 0);
+    parts.sections[base].threshold = 0.5;
+    files.push(parts.seal(Digests::Pages));
+    files.extend(bad_files().into_iter().map(|file| file.bytes));
     // Two at a time: starting Python takes longer than most of them.
     std::thread::scope(|scope| {
         for (i, half) in files.chunks(files.len().div_ceil(2)).enumerate() {
@@ -159,9 +153,10 @@ fn the_python_reader_finds_the_same_faults() {
     });
 }
 
-fn assert_same_fault(path: &Path, bytes: &[u8]) {
+#[allow(clippy::ptr_arg, reason = "an unsized slice makes no &dyn Source")]
+fn assert_same_fault(path: &Path, bytes: &Vec<u8>) {
     std::fs::write(path, bytes).expect("the temporary folder is writable");
-    let error = forge::verdict(bytes).expect_err("a bad file");
+    let error = check(bytes).expect_err("a bad file");
     let output = run_reader(path);
     let talk = String::from_utf8_lossy(&output.stderr);
     if lacks_zstd(&output) {

@@ -20,21 +20,21 @@ pub(super) fn cases(cases: &mut Cases) {
 }
 
 /// Label, what it is, code, bits.
-type Number<T> = (&'static str, &'static str, Option<u32>, T);
+type Number<T> = (&'static str, &'static str, u32, T);
 
 const FLOATS: [Number<u32>; 6] = [
-    ("nan", "NaN", Some(5006), 0x7FC0_0000),
-    ("signalling-nan", "a signalling NaN", Some(5006), 0x7F80_0001),
-    ("inf", "infinity", Some(5006), 0x7F80_0000),
-    ("minus-0", "-0", Some(5006), 0x8000_0000),
-    ("over-2-96", "2^97", Some(5006), 0x7000_0000),
+    ("nan", "NaN", 5006, 0x7FC0_0000),
+    ("signalling-nan", "a signalling NaN", 5006, 0x7F80_0001),
+    ("inf", "infinity", 5006, 0x7F80_0000),
+    ("minus-0", "-0", 5006, 0x8000_0000),
+    ("over-2-96", "2^97", 5006, 0x7000_0000),
     ("subnormal", "a subnormal number, which passes", PASSES, 1),
 ];
 
 const HALVES: [Number<u16>; 4] = [
-    ("nan", "NaN", Some(5006), 0x7E00),
-    ("inf", "infinity", Some(5006), 0x7C00),
-    ("minus-0", "-0", Some(5006), 0x8000),
+    ("nan", "NaN", 5006, 0x7E00),
+    ("inf", "infinity", 5006, 0x7C00),
+    ("minus-0", "-0", 5006, 0x8000),
     ("subnormal", "a subnormal number, which passes", PASSES, 1),
 ];
 
@@ -48,14 +48,11 @@ fn area(cases: &mut Cases) {
         payload.extend(values);
         payload
     };
-    let more = [
-        ("zero", "0, which is stored without need", Some(5006), 0),
-        ("minus-1", "-1", Some(5006), 0xBF80_0000),
-    ];
+    let more = [("zero", "0, which is stored without need", 5006, 0), ("minus-1", "-1", 5006, 0xBF80_0000)];
     for (label, what, code, bits) in FLOATS.into_iter().chain(more) {
         let done = format!("a leaf area density of {what}");
         let payload = payload(1, &u32::to_le_bytes(bits));
-        cases.rebuild(44, &format!("area-{label}"), done, code, |parts| parts.replace(area, &payload));
+        cases.rebuild(44, &format!("area-{label}"), &done, code, |parts| parts.replace(area, &payload));
     }
     let one = 1f32.to_le_bytes();
     for (label, done, payload) in [
@@ -104,7 +101,7 @@ fn value<T>(cases: &mut Cases, section: usize, (label, what, code, _): Number<T>
     let mut payload = payload(cases, section);
     payload[..bytes.len()].copy_from_slice(bytes);
     let done = format!("a value of {what} in the first base");
-    cases.rebuild(44, &format!("base-{label}"), done, code, |parts| parts.set_payload(section, 0, &payload));
+    cases.rebuild(44, &format!("base-{label}"), &done, code, |parts| parts.set_payload(section, 0, &payload));
 }
 
 /// The first page: masks, indices, coefficients.
@@ -130,7 +127,7 @@ fn haar_paper(cases: &mut Cases, section: usize) {
     for (label, what, _, bits) in &FLOATS[..5] {
         let done = format!("a coefficient of {what} in the first base");
         let payload = average(f32::from_bits(*bits));
-        cases.rebuild(44, &format!("base-{label}"), done, 5006, |parts| {
+        cases.rebuild(44, &format!("base-{label}"), &done, 5006, |parts| {
             parts.set_payload(section, 0, &payload)
         });
     }

@@ -18,9 +18,9 @@ pub(super) fn cases(cases: &mut Cases) {
     for bit in bits {
         let mut bytes = cases.subject.file.clone();
         bytes[bit / 8] ^= 1 << (bit % 8);
-        let expected = code_of_flip(&bytes, bit / 8, head + header.contents_bytes as usize);
+        let code = code_of_flip(&bytes, bit / 8, head + header.contents_bytes as usize);
         let done = format!("bit {} of byte {} flipped", bit % 8, bit / 8);
-        cases.give(59, &format!("bit-{bit}"), done, expected, bytes);
+        cases.give(59, &format!("bit-{bit}"), &done, code, bytes);
     }
 }
 

@@ -75,37 +75,29 @@ pub struct Condition {
 
 /// The kinds that no file can carry, and the tests that do.
 pub const CONDITIONS: [Condition; 9] = [
-    Condition {
-        kind: 42,
-        carried_by: "runtime-loader/tests/it/remote.rs: a_file_replaced_between_requests_is_found",
-    },
-    Condition {
-        kind: 43,
-        carried_by: "runtime-loader/tests/it/remote.rs: a_server_without_ranges_is_refused_before_its_body_is_read",
-    },
-    Condition {
-        kind: 54,
-        carried_by: "runtime-loader/tests/it/changing.rs: a_file_overwritten_under_a_mapping_gives_errors_never_wrong_data",
-    },
-    Condition {
-        kind: 54,
-        carried_by: "runtime-loader/tests/it/changing.rs: a_file_cut_and_overwritten_under_positioned_reads_gives_errors_or_right_data",
-    },
-    Condition {
-        kind: 55,
-        carried_by: "cli/tests/it/outputs.rs: an_output_that_is_an_input_is_refused_even_with_force",
-    },
-    Condition {
-        kind: 56,
-        carried_by: "files/src/publish/tests.rs: devices_and_dangling_links_are_refused_and_good_links_are_followed",
-    },
-    Condition {
-        kind: 57,
-        carried_by: "files/src/publish/tests.rs: a_failed_write_leaves_the_old_file_and_no_rubbish",
-    },
-    Condition { kind: 58, carried_by: "cli/tests/it/outputs.rs: a_cache_is_reused_and_changes_nothing" },
-    Condition {
-        kind: 59,
-        carried_by: "format-spec/tests/it/corruption.rs: every_flipped_bit_of_header_and_tables_is_refused",
-    },
+    carried(42, "runtime-loader/tests/it/remote.rs: a_file_replaced_between_requests_is_found"),
+    carried(
+        43,
+        "runtime-loader/tests/it/remote.rs: a_server_without_ranges_is_refused_before_its_body_is_read",
+    ),
+    carried(
+        54,
+        "runtime-loader/tests/it/changing.rs: a_file_overwritten_under_a_mapping_gives_errors_never_wrong_data",
+    ),
+    carried(
+        54,
+        "runtime-loader/tests/it/changing.rs: a_file_cut_and_overwritten_under_positioned_reads_gives_errors_or_right_data",
+    ),
+    carried(55, "cli/tests/it/outputs.rs: an_output_that_is_an_input_is_refused_even_with_force"),
+    carried(
+        56,
+        "files/src/publish/tests.rs: devices_and_dangling_links_are_refused_and_good_links_are_followed",
+    ),
+    carried(57, "files/src/publish/tests.rs: a_failed_write_leaves_the_old_file_and_no_rubbish"),
+    carried(58, "cli/tests/it/outputs.rs: a_cache_is_reused_and_changes_nothing"),
+    carried(59, "format-spec/tests/it/corruption.rs: every_flipped_bit_of_header_and_tables_is_refused"),
 ];
+
+const fn carried(kind: u8, carried_by: &'static str) -> Condition {
+    Condition { kind, carried_by }
+}

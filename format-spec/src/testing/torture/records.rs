@@ -54,9 +54,9 @@ fn digests(cases: &mut Cases) {
     };
     let mut broken = |name: &str, code: u32, flipped: Vec<u8>, zero: Vec<u8>| {
         let done = format!("a bit of the digest ({name}) flipped, those that cover it sound");
-        cases.give(14, name, done, code, flipped);
+        cases.give(14, name, &done, code, flipped);
         let done = format!("the digest ({name}) 0, those that cover it sound");
-        cases.give(15, name, done, code, zero);
+        cases.give(15, name, &done, code, zero);
     };
     for (name, code, from, digest) in PLACES {
         let flipped = spoilt(from, &|parts| *digest(parts, area) ^= 1);

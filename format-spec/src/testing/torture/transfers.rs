@@ -12,7 +12,7 @@ pub(super) fn cases(cases: &mut Cases) {
     cases.give(1, "empty", "no byte at all", 1001, Vec::new());
     for length in [1, 7, 8, 9, 64, 127] {
         let (label, done) = (format!("{length}-bytes"), format!("the first {length} bytes"));
-        cases.give(2, &label, done, 1001, file[..length].to_vec());
+        cases.give(2, &label, &done, 1001, file[..length].to_vec());
     }
     let mut dice = Dice(cases.subject.seed);
     let mut cuts: Vec<usize> = (0..CUTS).map(|_| 128 + dice.below(tables_end - 128)).collect();
@@ -20,7 +20,8 @@ pub(super) fn cases(cases: &mut Cases) {
     cuts.sort_unstable();
     cuts.dedup();
     for cut in cuts {
-        cases.give(3, &format!("cut-at-{cut}"), format!("the first {cut} bytes"), 1008, file[..cut].to_vec());
+        let (label, done) = (format!("cut-at-{cut}"), format!("the first {cut} bytes"));
+        cases.give(3, &label, &done, 1008, file[..cut].to_vec());
     }
     truncated_page(cases, &file);
     let behind = |more: &[u8]| [&file, more].concat();
@@ -33,7 +34,7 @@ pub(super) fn cases(cases: &mut Cases) {
     for width in [2, 4, 8] {
         let swapped = file.chunks(width).flat_map(|word| word.iter().rev().copied()).collect();
         let done = format!("the bytes of each word of {width} reversed");
-        cases.give(8, &format!("swapped-{width}"), done, 1002, swapped);
+        cases.give(8, &format!("swapped-{width}"), &done, 1002, swapped);
     }
     let in_front = |more: &[u8]| [more, &file].concat();
     cases.give(9, "zip-in-front", "a ZIP's local header in front", 1002, in_front(b"PK\x03\x04"));
@@ -54,7 +55,7 @@ fn truncated_page(cases: &mut Cases, file: &[u8]) {
         ("the-last-page", start),
     ] {
         let done = format!("cut to {cut} of {} bytes", file.len());
-        cases.give(4, label, done, 1008, file[..cut].to_vec());
+        cases.give(4, label, &done, 1008, file[..cut].to_vec());
     }
 }
 

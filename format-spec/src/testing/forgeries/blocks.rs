@@ -4,15 +4,13 @@
 
 use std::collections::BTreeSet;
 
-use flb_format::records::*;
-
-use super::content::relayout;
-use super::{Parts, golden_file};
+use crate::records::*;
+use crate::testing::{Digests, Page, Parts, golden};
 
 const LATTICE: u32 = 32;
-pub(crate) const BLOCKS: usize = 512;
-pub(crate) const CUBES: usize = 8;
-pub(crate) const BANDS: usize = 3; // of the golden file
+pub(super) const BLOCKS: usize = 512;
+pub(super) const CUBES: usize = 8;
+pub(super) const BANDS: usize = 3; // of the golden file
 
 /// xorshift64*, which never leaves a seed other than 0.
 struct Dice(u64);
@@ -37,14 +35,14 @@ impl Dice {
 
 /// A bit payload in the making.
 #[derive(Default)]
-pub(crate) struct Bits(Vec<bool>);
+pub(super) struct Bits(Vec<bool>);
 
 impl Bits {
-    pub(crate) fn put(&mut self, value: u64, width: u32) {
+    pub(super) fn put(&mut self, value: u64, width: u32) {
         self.0.extend((0..width).map(|bit| value >> bit & 1 == 1));
     }
 
-    pub(crate) fn bytes(mut self) -> Vec<u8> {
+    pub(super) fn bytes(mut self) -> Vec<u8> {
         self.0.resize(self.0.len().max(1).next_multiple_of(32), false);
         self.0
             .chunks(8)
@@ -147,77 +145,53 @@ fn haar_page(dice: &mut Dice, blocks: usize) -> Vec<u8> {
     bits.bytes()
 }
 
-/// Gives a section pages of these units and payloads.
-fn set_pages(parts: &mut Parts, kind: u32, item: u32, pages: &[(usize, Vec<u8>)]) {
-    let at = parts.find(kind, item);
-    let mut entry = parts.tables[at][0];
-    parts.tables[at].clear();
-    let (mut units, mut raw_bytes) = (0, 0);
-    for (count, payload) in pages {
-        (entry.first, entry.count) = (units, *count as u32);
-        (entry.raw_bytes, entry.stored_bytes) = (payload.len() as u32, payload.len() as u32);
-        entry.offset = parts.bytes.len() as u64;
-        parts.tables[at].push(entry);
-        parts.bytes.extend(payload);
-        units += *count as u64;
-        raw_bytes += payload.len() as u64;
-    }
-    let section = &mut parts.sections[at];
-    (section.units, section.raw_bytes, section.page_bytes) = (units, raw_bytes, MAX_PAGE_BYTES);
-}
-
 /// Bytes in two pages.
-fn halves(payload: &[u8]) -> Vec<(usize, Vec<u8>)> {
+fn halves(payload: &[u8]) -> [Page; 2] {
     let (one, two) = payload.split_at(payload.len() / 2);
-    [one, two].map(|half| (half.len(), half.to_vec())).to_vec()
+    [one, two].map(|half| Page::plain(half, half.len() as u32))
 }
-
-/// Units and payload.
-type Page = (usize, Vec<u8>);
 
 /// A file of lattice 32 with this block map, these class tables (codec 7) and, for each base, the payload of
 /// its averages and the pages of its detail.
-pub(crate) fn file(
+pub(super) fn file(
     codec: u32,
     map: &[u8],
     tables: &[u8],
     mut base: impl FnMut() -> (Vec<u8>, Vec<Page>),
 ) -> Vec<u8> {
-    let mut parts = Parts::of(&golden_file("classed"));
+    let mut parts = Parts::of(&golden("classed"));
     for at in (0..parts.sections.len()).rev() {
         let section = &mut parts.sections[at];
-        let classes = (section.key.kind, section.key.item) == (KIND_BLOCKS, 1);
+        let classes = (section.key.kind, section.key.item) == (KIND_BLOCKS, BLOCKS_CLASSES);
         if section.key.species > 0 || (classes && codec == CODEC_HAAR) {
-            parts.sections.remove(at);
-            parts.tables.remove(at);
+            parts.remove(at);
         } else if section.key.kind > KIND_METADATA {
             section.lattice = LATTICE;
             section.codec = if section.key.kind == KIND_DETAIL { codec } else { section.codec };
         }
     }
     let text = String::from_utf8(parts.stored(0, 0).to_vec()).expect("metadata are UTF-8");
-    let text = text.replace("\"lattice\":16", "\"lattice\":32");
-    parts.stored(0, 0).copy_from_slice(text.as_bytes());
-    for item in 0..4 {
-        set_pages(&mut parts, KIND_MEDIUM, item, &[(BLOCKS * 64, vec![0; BLOCKS * 8])]);
+    parts.set_payload(0, 0, text.replace("\"lattice\":16", "\"lattice\":32").as_bytes());
+    let empty = Page::plain(&[0; BLOCKS * 8], BLOCKS as u32 * 64);
+    for at in 0..parts.sections.len() {
+        match parts.sections[at].key {
+            SectionKey { kind: KIND_MEDIUM, .. } => parts.set_pages(at, std::slice::from_ref(&empty)),
+            SectionKey { kind: KIND_BLOCKS, item: BLOCKS_MAP, .. } => parts.set_pages(at, &halves(map)),
+            SectionKey { kind: KIND_BLOCKS, .. } => parts.set_pages(at, &halves(tables)),
+            SectionKey { kind: KIND_AVERAGES, item, .. } => {
+                let (averages, detail) = base();
+                parts.set_pages(at, &halves(&averages));
+                parts.set_pages(parts.find(KIND_DETAIL, item), &detail);
+            }
+            _ => {}
+        }
     }
-    set_pages(&mut parts, KIND_BLOCKS, 0, &halves(map));
-    if codec == CODEC_CLASSED {
-        set_pages(&mut parts, KIND_BLOCKS, 1, &halves(tables));
-    }
-    let bases: Vec<u32> =
-        parts.sections.iter().filter(|s| s.key.kind == KIND_AVERAGES).map(|s| s.key.item).collect();
-    for item in bases {
-        let (averages, pages) = base();
-        set_pages(&mut parts, KIND_AVERAGES, item, &halves(&averages));
-        set_pages(&mut parts, KIND_DETAIL, item, &pages);
-    }
-    relayout(&mut parts);
-    parts.join()
+    parts.lay_out();
+    parts.seal(Digests::Pages)
 }
 
 /// A sound file that stores each block with a chance of so many in 8.
-pub(crate) fn blocks(seed: u64, codec: u32, eighths: u64) -> Vec<u8> {
+pub fn any(seed: u64, codec: u32, eighths: u64) -> Vec<u8> {
     let dice = &mut Dice(seed);
     let stored: Vec<bool> = (0..BLOCKS).map(|_| dice.below(8) < eighths).collect();
     let mut map = Bits::default();
@@ -230,7 +204,8 @@ pub(crate) fn blocks(seed: u64, codec: u32, eighths: u64) -> Vec<u8> {
         while left > 0 {
             let own = left.min(1 + dice.below(200) as usize);
             let haar = codec == CODEC_HAAR;
-            pages.push((own, if haar { haar_page(dice, own) } else { classed_page(dice, own, &tables) }));
+            let payload = if haar { haar_page(dice, own) } else { classed_page(dice, own, &tables) };
+            pages.push(Page::plain(&payload, own as u32));
             left -= own;
         }
         (averages, pages)

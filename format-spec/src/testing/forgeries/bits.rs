@@ -1,9 +1,9 @@
 //! Heads, averages and detail that break M46 to M53, bit for bit as SPEC.md section 8.5 lays them out.
 
-use flb_format::records::*;
-
-use super::any::{BANDS, BLOCKS, Bits, CUBES, file};
-use super::content::Case;
+use super::List;
+use super::blocks::{BANDS, BLOCKS, Bits, CUBES, file};
+use crate::records::*;
+use crate::testing::Page;
 
 /// A value and its width.
 type Put = (u64, u32);
@@ -52,7 +52,7 @@ fn with_tables(codec: u32, tables: &[u8], head: &[u8], group: &[Put], detail: &[
     map[0] = 3;
     let coarse = [(0, 5), (0, CUBES as u32)];
     let averages = [head, &payload(&[&coarse, group].concat())].concat();
-    file(codec, &map, tables, || (averages.clone(), vec![(2, payload(detail))]))
+    file(codec, &map, tables, || (averages.clone(), vec![Page::plain(&payload(detail), 2)]))
 }
 
 const NO_AVERAGES: [Put; 2] = [(0, 5), (0, 2)];
@@ -60,7 +60,7 @@ const NO_CLASSED: [Put; 2] = [(0, 2), (0, 2)];
 const NO_HAAR: [Put; 2] = [(0, 4), (0, 4)];
 
 /// Sound files, from which each case departs by one thing.
-pub(crate) fn sound() -> [Vec<u8>; 4] {
+pub(super) fn sound() -> [Vec<u8>; 4] {
     [
         near(CODEC_CLASSED, &head(), &NO_AVERAGES, &NO_CLASSED),
         near(CODEC_HAAR, &head(), &NO_AVERAGES, &NO_HAAR),
@@ -81,7 +81,7 @@ pub(crate) fn sound() -> [Vec<u8>; 4] {
     ]
 }
 
-pub(crate) fn bit_cases() -> Vec<Case> {
+pub(super) fn add(list: &mut List) {
     let wrong =
         |at: usize, bytes: &[u8]| near(CODEC_CLASSED, &head_with(at, bytes), &NO_AVERAGES, &NO_CLASSED);
     let float = |at, value: f32| wrong(at, &value.to_le_bytes());
@@ -96,7 +96,7 @@ pub(crate) fn bit_cases() -> Vec<Case> {
     };
     // In this many bits of 1, q of them and a 0, or 20 of them and 17 bits.
     let (ones, twenty) = (|q: u32| ((1 << q) - 1, q + 1), (0xF_FFFF, 20));
-    vec![
+    for (code, words, bytes) in [
         (5011, "M42: ", classes([0, 2])),
         (5011, "M42: ", classes([257, 1])),
         (5012, "M46: ", wrong(0, &[0])),
@@ -126,5 +126,7 @@ pub(crate) fn bit_cases() -> Vec<Case> {
         (5014, "M53: ", haar(&[(2, 4), (0, 4), (2, 64), (1, 2)])), // -1 fits in 1 bit
         (5014, "M53: ", haar(&[(3, 4), (0, 4), (6, 64), (2, 3), (5, 3)])), // -2 and 1 in 2
         (5014, "M51: ", haar(&[(11, 4), (11, 4), (2, 64)])),
-    ]
+    ] {
+        list.give(code, words, bytes);
+    }
 }
