@@ -12,8 +12,6 @@ mod physical;
 use super::{Digests, Parts, golden};
 use crate::records::*;
 
-pub use blocks::any as any_blocks;
-
 /// A bad file.
 #[derive(Debug, Clone)]
 pub struct Forgery {
@@ -40,7 +38,7 @@ pub fn forgeries() -> Vec<Forgery> {
 /// Sound files with blocks near geometry as no writer of this project makes them.
 pub fn sound_blocks() -> Vec<Vec<u8>> {
     let random = [(1, CODEC_CLASSED, 5), (2, CODEC_HAAR, 5), (3, CODEC_CLASSED, 1), (4, CODEC_HAAR, 8)];
-    let random = random.map(|(seed, codec, eighths)| any_blocks(seed, codec, eighths));
+    let random = random.map(|(seed, codec, eighths)| blocks::any(seed, codec, eighths));
     random.into_iter().chain(bits::sound()).collect()
 }
 

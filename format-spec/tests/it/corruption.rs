@@ -14,7 +14,7 @@ fn every_golden_file_keeps_every_promise() {
 }
 
 #[test]
-fn the_kit_has_every_golden() {
+fn the_kit_has_every_golden_file() {
     let mut names = Vec::new();
     for prefix in ["", "v0.1/"] {
         let folder = format!("{}/golden/{prefix}", env!("CARGO_MANIFEST_DIR"));

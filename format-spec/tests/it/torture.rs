@@ -114,7 +114,6 @@ fn a_bad_file_is_no_subject() {
 #[test]
 fn a_file_taken_apart_and_put_together_is_sound() {
     for (name, file) in GOLDEN {
-        assert!(Parts::of(file).seal(Digests::Pages) == *file, "{name}: taken apart and sealed");
         let mut parts = Parts::of(file);
         parts.lay_out();
         check(&parts.seal(Digests::Pages)).unwrap_or_else(|error| panic!("{name}: {error}"));

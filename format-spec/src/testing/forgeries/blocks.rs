@@ -191,7 +191,7 @@ pub(super) fn file(
 }
 
 /// A sound file that stores each block with a chance of so many in 8.
-pub fn any(seed: u64, codec: u32, eighths: u64) -> Vec<u8> {
+pub(super) fn any(seed: u64, codec: u32, eighths: u64) -> Vec<u8> {
     let dice = &mut Dice(seed);
     let stored: Vec<bool> = (0..BLOCKS).map(|_| dice.below(8) < eighths).collect();
     let mut map = Bits::default();

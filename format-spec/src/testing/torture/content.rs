@@ -8,12 +8,8 @@ pub(super) fn cases(cases: &mut Cases) {
     density(cases);
     let base = cases.subject.container.species()[0].bases[0];
     match base.codec {
-        Codec::RawF32 => {
-            FLOATS.into_iter().for_each(|number| value(cases, base.section, number, &number.3.to_le_bytes()));
-        }
-        Codec::RawF16 => {
-            HALVES.into_iter().for_each(|number| value(cases, base.section, number, &number.3.to_le_bytes()));
-        }
+        Codec::RawF32 => FLOATS.iter().for_each(|n| value(cases, base.section, n, &n.3.to_le_bytes())),
+        Codec::RawF16 => HALVES.iter().for_each(|n| value(cases, base.section, n, &n.3.to_le_bytes())),
         Codec::HaarPaper => haar_paper(cases, base.section),
         Codec::Classed | Codec::Haar => blocks(cases),
     }
@@ -97,11 +93,12 @@ fn payload(cases: &Cases, section: usize) -> Vec<u8> {
 }
 
 /// The first of plain values.
-fn value<T>(cases: &mut Cases, section: usize, (label, what, code, _): Number<T>, bytes: &[u8]) {
+fn value<T>(cases: &mut Cases, section: usize, (label, what, code, _): &Number<T>, bytes: &[u8]) {
     let mut payload = payload(cases, section);
     payload[..bytes.len()].copy_from_slice(bytes);
     let done = format!("a value of {what} in the first base");
-    cases.rebuild(44, &format!("base-{label}"), &done, code, |parts| parts.set_payload(section, 0, &payload));
+    cases
+        .rebuild(44, &format!("base-{label}"), &done, *code, |parts| parts.set_payload(section, 0, &payload));
 }
 
 /// The first page: masks, indices, coefficients.
