@@ -24,9 +24,7 @@ use crate::print::{self, line, say};
 use crate::saving::PlanSavings;
 use crate::size::Measured;
 use crate::stages::{Stage, Stages};
-use crate::summary::{
-    SpeciesSummary, misses_its_error, saving_lines, sites_nonempty, species_table, stage_table,
-};
+use crate::summary::{SpeciesSummary, misses_its_error, saving_lines, species_table, stage_table};
 use checks::{check_judge, check_names, check_settings, say_other_model};
 use settings::{model_settings, settings_of};
 
@@ -77,13 +75,13 @@ pub(crate) fn run(args: &BakeArgs) -> Result<u8, Failure> {
         converged &= baked.converged;
         let mut species =
             stages.run(Step::Encode, name, |progress| encode_species(&baked.fields, coding, progress))?;
-        if let Some(mesh) = &mesh {
+        if let Some(mesh) = mesh {
             let error = judge_coded(&mut species, mesh, coding, JudgeSettings::default(), &stages)
                 .map_err(|error| Failure::from(error).at(path))?;
             say!("{name}: on the mesh: {}", print::mesh_error(&error));
         }
         let saving = plan.is_some().then(|| PlanSavings::of_bake(&species, baked.bands, baked.solves));
-        let summary = SpeciesSummary::new(&species, sites_nonempty(&baked.fields.medium), saving);
+        let summary = SpeciesSummary::new(&species, baked.fields.medium.nonempty_sites(), saving);
         summaries.push(SpeciesSummary { doubts: Some(measured.doubts), colours: Some(colours), ..summary });
         coded.push(species);
         if args.keep_fields.is_some() {

@@ -99,7 +99,7 @@ pub(crate) fn run(args: &JudgeArgs) -> Result<u8, Failure> {
         .map_err(|error| Failure::from(error).at(library.path()))?;
     let mut drawn = Vec::new();
     if args.picture.is_some() {
-        for source in [judge.suns.len(), 0] {
+        for source in [judge.suns().len(), 0] {
             drawn.push(judge.picture(&classed, source, args.size.unwrap_or([512; 2]), &stages)?);
         }
     }
@@ -114,9 +114,9 @@ pub(crate) fn run(args: &JudgeArgs) -> Result<u8, Failure> {
         file: args.file.display().to_string(),
         species: meta.name.clone(),
         mesh: args.mesh.display().to_string(),
-        points: judge.points.len(),
+        points: judge.points().len(),
         samples: args.samples,
-        suns: judge.suns,
+        suns: judge.suns().to_vec(),
         openness: OPENNESS,
         judged,
         pictures,

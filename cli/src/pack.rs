@@ -18,7 +18,7 @@ use crate::plan::check_known;
 use crate::print::{self, line, say};
 use crate::saving::PlanSavings;
 use crate::stages::{Stage, Stages};
-use crate::summary::{SpeciesSummary, misses_its_error, saving_lines, sites_nonempty, species_table};
+use crate::summary::{SpeciesSummary, misses_its_error, saving_lines, species_table};
 use flb_baker::bake::why_whole;
 
 #[derive(Serialize)]
@@ -71,7 +71,7 @@ pub(crate) fn run(args: &PackArgs) -> Result<u8, Failure> {
                     }
                     let medium =
                         container.read_medium(source, index).map_err(|e| Failure::from(e).at(path))?;
-                    (copied, sites_nonempty(&medium))
+                    (copied, medium.nonempty_sites())
                 }
                 Some(settings) => {
                     if let Some(loss) = loss(species, settings.codec) {
@@ -92,7 +92,7 @@ pub(crate) fn run(args: &PackArgs) -> Result<u8, Failure> {
                         |progress: &(dyn Fn(f64) + Sync)| encode_species(&fields, settings, progress);
                     (
                         stages.run(Step::Encode, name, encode).map_err(at_input)?,
-                        sites_nonempty(&fields.medium),
+                        fields.medium.nonempty_sites(),
                     )
                 }
             };

@@ -2,7 +2,6 @@
 
 use flb_format::provenance::SURFACE_PSNR_DB;
 use flb_format::records::{KIND_AVERAGES, KIND_BASE, KIND_BLOCKS, KIND_DETAIL};
-use flb_format::{Class, Medium};
 use flb_packer::EncodedSpecies;
 use serde::Serialize;
 
@@ -149,11 +148,6 @@ pub(crate) fn stage_table(stages: &[Stage]) -> String {
     let seconds = stages.iter().map(|stage| stage.seconds).sum();
     rows.push(row("all", seconds, stages.iter().map(|stage| stage.peak_bytes).max().unwrap_or(0)));
     print::table(&rows)
-}
-
-/// Sites that hold matter.
-pub(crate) fn sites_nonempty(medium: &Medium) -> usize {
-    medium.class.iter().filter(|class| **class != Class::Empty).count()
 }
 
 /// One line for each species that a plan saved something of, behind an empty one; nothing without a plan.

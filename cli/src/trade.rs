@@ -89,7 +89,8 @@ pub(crate) fn run(args: &TradeArgs) -> Result<u8, Failure> {
     };
     let name = reader.plants.name(&args.mesh_file).unwrap_or_default();
     // What is odd about the mesh is said once; what it names is known only then.
-    let first = reader.read_classed(&args.mesh_file)?;
+    let stages = Stages::default();
+    let first = stages.run(Step::Import, "", |_| reader.read_classed(&args.mesh_file))?;
     report::check_unread(&folder)?;
     reader.measure(&args.mesh_file, &first);
     reader.quiet = true;
@@ -98,8 +99,11 @@ pub(crate) fn run(args: &TradeArgs) -> Result<u8, Failure> {
         let classed = first.take().map_or_else(|| reader.read_classed(&args.mesh_file), Ok)?;
         Ok(reader.plants.plant(name.clone(), classed))
     };
-    let measured = trade(&plants, &settings, &Counted, &Followed(Stages::default()))
+    let mut measured = trade(&plants, &settings, &Counted, &Followed(stages))
         .map_err(|failure| failure.at(&args.mesh_file))?;
+    for skipped in measured.skipped.iter_mut().filter(|skipped| skipped.is_of_memory) {
+        skipped.reason += " (--memory-limit)";
+    }
     let report = Report::new(args, &folder, measured);
     report::publish_all(&report, page::page, &folder, args.force)?;
     match args.json {

@@ -44,3 +44,6 @@ pub use figures::{ClassJudgement, Figures, MeshJudgement};
 pub use mesh::{JudgeSettings, MeshJudge, MeshTruth, judged_points, judged_surfaces};
 pub use pictures::JudgePicture;
 pub use trade::{Trade, TradeSettings, trade};
+
+#[cfg(test)]
+mod tests;

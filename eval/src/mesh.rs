@@ -39,9 +39,8 @@ pub fn judged_surfaces(meta: &SpeciesMeta) -> Result<Surfaces, EvalError> {
 /// Judge of a file: points of the mesh, suns, and the file's light under each of them.
 pub struct MeshJudge<'l> {
     /// Unit vectors towards the suns, model space.
-    pub suns: Vec<[f64; 3]>,
-    /// Points of the mesh.
-    pub points: Vec<SurfacePoint>,
+    suns: Vec<[f64; 3]>,
+    points: Vec<SurfacePoint>,
     surfaces: Surfaces,
     /// Of each sun alone, and last of the sky.
     light: Vec<InstanceLight<'l>>,
@@ -79,6 +78,16 @@ impl<'l> MeshJudge<'l> {
         Ok(MeshJudge { suns, points, surfaces, light })
     }
 
+    /// Returns unit vectors towards the suns, model space.
+    pub fn suns(&self) -> &[[f64; 3]] {
+        &self.suns
+    }
+
+    /// Returns the points of the mesh.
+    pub fn points(&self) -> &[SurfacePoint] {
+        &self.points
+    }
+
     /// Returns what leaves and wood reflect and transmit.
     pub fn surfaces(&self) -> Surfaces {
         self.surfaces
@@ -86,6 +95,9 @@ impl<'l> MeshJudge<'l> {
 
     /// Writes the fluence of a source at a point of model space: of a sun by its number, or of the sky, which comes
     /// after the last.
+    ///
+    /// # Panics
+    /// If there is no such source.
     pub fn fluence(&self, source: usize, point: [f32; 3], phi: &mut [f32; 3]) {
         self.light[source].at(point, phi);
     }

@@ -29,6 +29,9 @@ impl MeshJudge<'_> {
     ///
     /// # Errors
     /// [`RenderError`], as [`render_plant`].
+    ///
+    /// # Panics
+    /// If there is no such source.
     pub fn picture(
         &self,
         classed: &ClassedMesh,
@@ -37,11 +40,11 @@ impl MeshJudge<'_> {
         observer: &dyn Observer,
     ) -> Result<JudgePicture, RenderError> {
         let ClassedMesh { mesh, classes } = classed;
-        let is_sky = source == self.suns.len();
+        let is_sky = source == self.suns().len();
         let [width, height] = size;
         let plant = Species { mesh, classes, shading: Shading::Physical(self.surfaces()) };
         let portrait = Portrait { width, height, samples: SAMPLES, has_ground: false, ..Portrait::default() };
-        let towards_sun = self.suns[if is_sky { 0 } else { source }];
+        let towards_sun = if is_sky { [0.0, 1.0, 0.0] } else { self.suns()[source] };
         let [sun, sky] = if is_sky { [0.0, 1.0] } else { [1.0, 0.0] };
         let lighting = Lighting::of(Daylight { towards_sun, sun, sky });
         // The sun's own beam is the same in both.

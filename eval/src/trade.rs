@@ -94,10 +94,11 @@ impl Traced {
 /// is told each choice as a note.
 ///
 /// # Errors
-/// Errors of `plants`; [`EvalError`] of a plant that cannot be baked or judged, and [`EvalError::Memory`].
+/// Errors of `plants`; [`EvalError`] of a plant that cannot be baked or judged with these settings, and
+/// [`EvalError::Memory`].
 ///
 /// # Panics
-/// If a setting is not as its field says.
+/// If more suns are asked for than [`MAX_SUNS`](judge::MAX_SUNS).
 pub fn trade<E: From<EvalError>>(
     plants: &dyn Fn() -> Result<Plant, E>,
     settings: &TradeSettings,

@@ -2,14 +2,21 @@
 //! to follow for each sun, besides the stored fields (SPEC.md, section 10.4).
 //!
 //! ```text
-//! Turbid + sun -tracks-> uncollided fluence per site -near-> means around each site
+//! Turbid + sun -sweep-> uncollided fluence per site -near-> means around each site
 //! ```
 
+mod crossings;
 mod near;
+mod passing;
 pub mod single;
-mod tracks;
+mod sites;
+mod sweep;
 mod uncollided;
+#[cfg(any(test, feature = "testing"))]
+pub mod walk;
 
+pub use crossings::{Crossing, crossings};
 pub use near::{BEAM_RAYS, MAX_MEANS, Near, NearBeam, means, reaches};
-pub use tracks::{Sites, Step};
-pub use uncollided::{Beam, Passing, depth_per_edge, uncollided};
+pub use passing::Passing;
+pub use sites::Sites;
+pub use uncollided::{Beam, depth_per_edge, uncollided};

@@ -41,6 +41,11 @@ impl Medium {
             wood_area_density: zeros(),
         }
     }
+
+    /// Number of sites with matter.
+    pub fn nonempty_sites(&self) -> usize {
+        self.class.iter().filter(|class| **class != Class::Empty).count()
+    }
 }
 
 /// Bits of the significand that area densities and extinctions keep, the leading one counted: to 0.1 %. The digits

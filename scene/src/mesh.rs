@@ -208,6 +208,16 @@ impl Image {
 }
 
 impl Mesh {
+    /// Gives each material the surface that a file states for it, `None` for a tint of the species' mean. Returns false
+    /// and changes nothing if the file states those of another number of materials.
+    pub fn set_surfaces(&mut self, surfaces: Vec<Option<MaterialSurface>>) -> bool {
+        if surfaces.len() != self.materials.len() {
+            return false;
+        }
+        self.materials.iter_mut().zip(surfaces).for_each(|(material, surface)| material.surface = surface);
+        true
+    }
+
     /// Digest of its triangles, as a file of its light remembers it; `None` for a mesh without triangles or with
     /// coordinates that are not finite.
     pub fn digest(&self) -> Option<String> {

@@ -152,18 +152,16 @@ fn color_as_baked(
 ) -> Result<(), StageError> {
     let refuse = |message| StageError::Metadata { species: meta.name.clone(), message };
     let Some(surfaces) = meta.material_surfaces().map_err(refuse)? else { return Ok(()) };
-    if surfaces.len() != mesh.materials.len() {
+    let stated = surfaces.len();
+    if !mesh.set_surfaces(surfaces) {
         observer.note(&format!(
             "warning: {}: the mesh has {} materials, the file of its light tells the surfaces of {}: drawn as tints of \
              the species' mean leaf and wood",
             path.display(),
             mesh.materials.len(),
-            surfaces.len()
+            stated
         ));
-        return Ok(());
     }
-    let materials = mesh.materials.iter_mut();
-    materials.zip(surfaces).for_each(|(material, surface)| material.surface = surface);
     Ok(())
 }
 

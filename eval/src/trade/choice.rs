@@ -76,13 +76,16 @@ pub struct Skipped {
     pub lattice: u32,
     /// Reason why it was not tried.
     pub reason: String,
+    /// Whether more memory would let it be tried.
+    #[serde(skip)]
+    pub is_of_memory: bool,
 }
 
 impl Skipped {
     /// A solve with one of its codings, or with all of them.
     pub(super) fn new(solve: &Solve, store: Option<&Store>, reason: String) -> Skipped {
         let choice = store.map_or(solve.to_string(), |store| format!("{solve} {store}"));
-        Skipped { choice, lattice: solve.lattice, reason }
+        Skipped { choice, lattice: solve.lattice, reason, is_of_memory: false }
     }
 }
 
@@ -164,6 +167,7 @@ pub fn choices(lattices: &[u32], quick: bool) -> (Vec<Choice>, Vec<Skipped>) {
                 choice: format!("preset {}", quality.name()),
                 lattice: solve.lattice,
                 reason: format!("it bakes at lattice {}, which was not asked for", solve.lattice),
+                is_of_memory: false,
             }),
         }
     }

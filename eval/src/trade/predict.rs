@@ -2,7 +2,6 @@
 
 use flb_baker::voxelise::VoxelSettings;
 use flb_baker::{downsample, voxelise};
-use flb_format::Class;
 use flb_format::size_text::bytes;
 use flb_scene::{ClassedMesh, Observer, Plant, Step};
 
@@ -59,7 +58,7 @@ fn survey(
             Step::Survey.run(observer, &lattice.to_string(), |progress| -> Result<_, EvalError> {
                 Ok(downsample(&voxelise(mesh, classes, &settings, progress)?)?)
             })?;
-        Ok((lattice, medium.class.iter().filter(|class| **class != Class::Empty).count() as u64))
+        Ok((lattice, medium.nonempty_sites() as u64))
     };
     settings.lattices.iter().map(count).collect()
 }
@@ -77,15 +76,16 @@ pub(super) fn affordable(
         return Err(EvalError::Memory { solve, needed_bytes: need(smallest), limit_bytes });
     };
     let (all, mut skipped) = choice::choices(lattices, quick);
-    let too_much = |needed: u64| {
+    let too_much = |solve: &Solve, store: Option<&Store>, needed: u64| {
         let (need, limit) = (bytes(needed), bytes(limit_bytes));
-        format!("it would need about {need} of memory, at most {limit} may be used")
+        let reason = format!("it would need about {need} of memory, at most {limit} may be used");
+        Skipped { is_of_memory: true, ..Skipped::new(solve, store, reason) }
     };
     let mut kept = Vec::new();
     for mut choice in all {
         let solve = choice.solve;
         if predict.of_solve(&solve) > limit_bytes {
-            skipped.push(Skipped::new(&solve, None, too_much(predict.of_solve(&solve))));
+            skipped.push(too_much(&solve, None, predict.of_solve(&solve)));
             continue;
         }
         if solve.lattice > finest {
@@ -99,7 +99,7 @@ pub(super) fn affordable(
             choice
                 .stores
                 .extract_if(.., is_too_much)
-                .map(|store| Skipped::new(&solve, Some(&store), too_much(predict.bytes(&solve, &store)))),
+                .map(|store| too_much(&solve, Some(&store), predict.bytes(&solve, &store))),
         );
         if !choice.stores.is_empty() {
             kept.push(choice);

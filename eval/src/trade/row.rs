@@ -131,6 +131,8 @@ impl Row {
 
     /// Seconds, megabytes of memory and megabytes of file in one number: their geometric mean.
     pub fn cost(&self) -> f64 {
-        libm::cbrt(self.seconds * (self.peak_bytes as f64 / 1e6) * (self.bytes as f64 / 1e6))
+        // Where the heap is not counted, memory is the same for all.
+        let memory = if self.peak_bytes == 0 { 1.0 } else { self.peak_bytes as f64 / 1e6 };
+        libm::cbrt(self.seconds * memory * (self.bytes as f64 / 1e6))
     }
 }

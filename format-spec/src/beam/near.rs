@@ -8,7 +8,7 @@
 use crate::turbid::Turbid;
 
 use super::single::{self, OrdinateTracks, scattered_once};
-use super::tracks::Sites;
+use super::sites::Sites;
 use super::uncollided::{Beam, uncollided};
 use crate::ordinates::Ordinate;
 
@@ -65,7 +65,7 @@ pub struct Near<'m> {
 
 impl<'m> Near<'m> {
     /// Prepares the near beam of the medium's non-empty sites. With `single` the rays of the light scattered once are
-    /// laid: 12 bytes for each site that one of them crosses.
+    /// laid: 12 bytes for each crossing of a site, and some 60 for each of one axis while it is laid.
     pub fn new(medium: &'m Turbid, sites: &'m [u32], single: bool) -> Near<'m> {
         let near = Near::of_cubes(medium, sites, reaches(single));
         if !single {
@@ -131,27 +131,31 @@ fn cube_sums(medium: &Turbid, sites: &[u32], values: &[f32], reach: u32) -> Vec<
     for (&site, &value) in sites.iter().zip(values) {
         cube[site as usize] = f64::from(medium.extinction(site as usize)) * f64::from(value);
     }
+    let around = |i: usize| (i.saturating_sub(reach as usize), (i + reach as usize + 1).min(n));
     let mut line = vec![0.0_f64; n + 1];
-    for stride in [1, n, n * n] {
-        for a in 0..n {
-            for b in 0..n {
-                let start = match stride {
-                    1 => (a * n + b) * n,
-                    s if s == n => a * n * n + b,
-                    _ => a * n + b,
-                };
-                let mut any = false;
-                for i in 0..n {
-                    let value = cube[start + i * stride];
-                    any |= value != 0.0;
-                    line[i + 1] = line[i] + value;
-                }
-                if any {
-                    for i in 0..n {
-                        let (low, high) = (i.saturating_sub(reach as usize), (i + reach as usize + 1).min(n));
-                        cube[start + i * stride] = line[high] - line[low];
-                    }
-                }
+    for values in cube.chunks_exact_mut(n) {
+        for i in 0..n {
+            line[i + 1] = line[i] + values[i];
+        }
+        for (i, value) in values.iter_mut().enumerate() {
+            let (low, high) = around(i);
+            *value = line[high] - line[low];
+        }
+    }
+    // Along the other axes, all lines of a plane side by side: memory is read as it lies.
+    let mut lines = vec![0.0_f64; (n + 1) * n];
+    for (stride, planes) in [(n, n * n), (n * n, n)] {
+        for plane in 0..n {
+            let row = |i: usize| plane * planes + i * stride;
+            for i in 0..n {
+                let (before, after) = lines.split_at_mut((i + 1) * n);
+                let values = before[i * n..].iter().zip(&cube[row(i)..]);
+                after.iter_mut().zip(values).for_each(|(sum, (before, value))| *sum = before + value);
+            }
+            for i in 0..n {
+                let (low, high) = around(i);
+                let sums = lines[high * n..].iter().zip(&lines[low * n..]);
+                cube[row(i)..][..n].iter_mut().zip(sums).for_each(|(value, (high, low))| *value = high - low);
             }
         }
     }

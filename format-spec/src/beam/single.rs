@@ -7,8 +7,10 @@
 use crate::ordinates::{Ordinate, Ordinates, rays_for};
 use crate::turbid::Turbid;
 
-use super::tracks::{Sites, Step};
-use super::uncollided::{Passing, depth_per_edge};
+use super::crossings::{Crossing, crossings};
+use super::passing::Passing;
+use super::sites::Sites;
+use super::uncollided::depth_per_edge;
 
 /// A ray crosses a site.
 #[derive(Debug, Clone, Copy)]
@@ -42,26 +44,16 @@ impl OrdinateTracks {
     /// Lays rays along an ordinate of [`axes`].
     pub fn lay(medium: &Turbid, places: &Sites, sites: &[u32], ordinate: &Ordinate) -> OrdinateTracks {
         let depth = depth_per_edge(medium, sites, ordinate.direction);
+        let found = crossings(places, ordinate.direction, rays(medium.grid.lattice));
         let mut lengths = vec![0.0_f32; sites.len()];
-        let mut segments: Vec<Segment> = Vec::new();
-        places.walk(ordinate.direction, rays(medium.grid.lattice), |step| match step {
-            Step::Cross { place, length, .. } => {
-                let length = length as f32;
-                lengths[place as usize] += length;
-                let passing = Passing::new(depth[place as usize] * length);
-                let adds = ordinate.weight as f32 * passing.mean * length;
-                segments.push(Segment { place, transmittance: passing.transmittance, adds });
-            }
-            Step::End => {
-                if let Some(last) = segments.last_mut() {
-                    last.place |= LAST;
-                }
-            }
-        });
-        segments.shrink_to_fit();
-        for segment in &mut segments {
-            segment.adds /= lengths[(segment.place & !LAST) as usize];
-        }
+        found.iter().for_each(|crossing| lengths[crossing.place as usize] += crossing.length);
+        let segment = |&Crossing { place, is_last, length, .. }: &Crossing| {
+            let passing = Passing::new(depth[place as usize] * length);
+            let adds = ordinate.weight as f32 * passing.mean * length / lengths[place as usize];
+            let place = if is_last { place | LAST } else { place };
+            Segment { place, transmittance: passing.transmittance, adds }
+        };
+        let segments = found.iter().map(segment).collect();
         OrdinateTracks { segments }
     }
 

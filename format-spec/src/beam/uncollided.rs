@@ -2,7 +2,9 @@
 
 use crate::turbid::Turbid;
 
-use super::tracks::{Sites, Step};
+use super::passing::{LANES, Passings, sum};
+use super::sites::Sites;
+use super::sweep::{SHORTEST, Sweep};
 
 /// Uncollided fluence of one sun within each non-empty site.
 #[derive(Debug, Clone, PartialEq)]
@@ -19,60 +21,166 @@ pub struct Beam {
 /// means are exact.
 pub fn uncollided(medium: &Turbid, places: &Sites, sites: &[u32], towards_sun: [f64; 3], rays: u32) -> Beam {
     let depth = depth_per_edge(medium, sites, towards_sun);
-    let travel = towards_sun.map(|c| -c as f32);
-    // Sums over the crossings: length, light, light x offset from the site's centre.
-    let mut sums = vec![[0.0_f32; 5]; sites.len()];
-    let mut light = 1.0_f32;
-    places.walk(towards_sun.map(|c| -c), rays, |step| match step {
-        Step::Cross { place, length, middle } => {
-            let length = length as f32;
-            let passing = Passing::new(depth[place as usize] * length);
-            let [lengths, mean, offset @ ..] = &mut sums[place as usize];
-            *lengths += length;
-            *mean += light * passing.mean * length;
-            for axis in 0..3 {
-                let along = passing.lean * length * travel[axis];
-                offset[axis] += light * length * (passing.mean * middle[axis] as f32 + along);
+    let mut beam = Beam { towards_sun, mean: vec![0.0; sites.len()], slope: vec![[0.0; 3]; sites.len()] };
+    let travel = towards_sun.map(|c| -c);
+    let Some(sweep) = Sweep::new(places, travel, rays) else { return beam };
+    let [rows, columns] = sweep.picture();
+    // Light of each ray where it is.
+    let mut light = vec![1.0_f32; rows * columns];
+    let axes = sweep.axes;
+    let travel = axes.map(|axis| travel[axis] as f32);
+    let (way, edge, [rise, run]) =
+        (sweep.way as f32, sweep.length as f32, sweep.slope.map(|slope| slope as f32));
+    sweep.visit(|place, across, along| {
+        let depth = depth[place as usize];
+        // Sums over the crossings: length, light, light x offset from the site's centre along `axes`.
+        let mut sums = [[0.0_f32; LANES]; 5];
+        for (row, ((&enter, &leave), &start)) in
+            across.enter.iter().zip(&across.leave).zip(&across.start).enumerate()
+        {
+            if leave <= enter {
+                continue;
             }
-            light *= passing.transmittance;
+            let first = (across.first + row) * columns + along.first;
+            let rays = light[first..][..along.enter.len()].as_chunks_mut::<LANES>().0.iter_mut();
+            let enters = along.enter.as_chunks::<LANES>().0;
+            let (leaves, starts) = (along.leave.as_chunks::<LANES>().0, along.start.as_chunks::<LANES>().0);
+            for (((rays, enters), leaves), starts) in rays.zip(enters).zip(leaves).zip(starts) {
+                let mut lengths = [0.0; LANES];
+                let mut middles = [0.0; LANES];
+                for lane in 0..LANES {
+                    let from = if enters[lane] > enter { enters[lane] } else { enter };
+                    let to = if leaves[lane] < leave { leaves[lane] } else { leave };
+                    let length = (to - from) * edge;
+                    lengths[lane] = if length < SHORTEST as f32 { 0.0 } else { length };
+                    middles[lane] = 0.5 * (from + to);
+                }
+                let passings = Passings::new(lengths.map(|length| depth * length));
+                for lane in 0..LANES {
+                    let (length, middle) = (lengths[lane], middles[lane]);
+                    let (mean, lean) = (passings.mean[lane], passings.lean[lane] * length);
+                    let lit = rays[lane] * length;
+                    let offset = [way * (middle - 0.5), start + rise * middle, starts[lane] + run * middle];
+                    sums[0][lane] += length;
+                    sums[1][lane] += lit * mean;
+                    for i in 0..3 {
+                        sums[2 + i][lane] += lit * (mean * offset[i] + lean * travel[i]);
+                    }
+                    rays[lane] *= passings.transmittance[lane];
+                }
+            }
         }
-        Step::End => light = 1.0,
+        let [length, mean, offsets @ ..] = sums.map(sum);
+        beam.mean[place as usize] = mean / length;
+        // Over a unit cube, offsets have a variance of 1/12 along each axis. Every site is crossed in its middle layer.
+        for (axis, offset) in axes.into_iter().zip(offsets) {
+            beam.slope[place as usize][axis] = 12.0 * offset / length;
+        }
     });
-    // Over a unit cube, offsets have a variance of 1/12 along each axis. Every site is crossed in its middle layer.
-    let slope_of = |[length, _, offset @ ..]: &[f32; 5]| offset.map(|sum| 12.0 * sum / length);
-    let mean_of = |[length, mean, ..]: &[f32; 5]| mean / length;
-    Beam { towards_sun, mean: sums.iter().map(mean_of).collect(), slope: sums.iter().map(slope_of).collect() }
+    beam
 }
 
 /// Optical depth of an edge of each non-empty site, for light along a unit direction or back.
 pub fn depth_per_edge(medium: &Turbid, sites: &[u32], direction: [f64; 3]) -> Vec<f32> {
-    let along =
-        |&site: &u32| (medium.extinction_along(site as usize, direction[1]) * medium.grid.spacing_m) as f32;
+    let along = |&site: &u32| {
+        let depth = medium.extinction_along(site as usize, direction[1]) * medium.grid.spacing_m;
+        // Finite, so that it is nothing on no way.
+        (depth as f32).min(f32::MAX)
+    };
     sites.iter().map(along).collect()
 }
 
-/// Moments of exp(-s t), the transmittance along a way, for t from 0 to 1.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Passing {
-    /// Transmittance of the whole way, exp(-s).
-    pub transmittance: f32,
-    /// Mean transmittance along the way, (1 - exp(-s)) / s.
-    pub mean: f32,
-    /// The mean of (t - 1/2) exp(-s t), at most 0.
-    pub lean: f32,
-}
+#[cfg(test)]
+pub(super) mod tests {
+    use super::super::walk::uncollided_ray_by_ray;
+    use super::*;
+    use crate::Grid;
+    use crate::turbid::LeafAngles;
 
-impl Passing {
-    /// Computes the moments for an optical depth s of the whole way.
-    pub fn new(s: f32) -> Passing {
-        let gone = -libm::expm1f(-s);
-        let transmittance = 1.0 - gone;
-        // Series where the closed forms cancel: the next terms are below 1e-7 of the first.
-        if s < 0.02 {
-            let mean = 1.0 - s * (0.5 - s / 6.0);
-            return Passing { transmittance, mean, lean: -s / 12.0 * (1.0 - s * (0.5 - s * 0.15)) };
+    /// Along axes, edges and diagonals of sites, and across them.
+    pub(crate) const DIRECTIONS: [[f64; 3]; 13] = [
+        [0.0, 1.0, 0.0],
+        [0.3, -1.0, -0.4],
+        [0.0, 0.0, -1.0],
+        [1.0, 0.0, 0.0],
+        [0.6, 0.0, -0.8],
+        [0.0, -0.6, 0.8],
+        [1.0, 1.0, 1.0],
+        [-1.0, 1.0, -1.0],
+        [0.3, 1.0, 0.1],
+        [-1.0, 0.4, 0.7],
+        [0.2, -0.5, -0.9],
+        [0.9, -0.8, 0.85],
+        [1e-13, 1.0, -1e-5],
+    ];
+
+    pub(crate) fn unit(direction: [f64; 3]) -> [f64; 3] {
+        let length = libm::sqrt(direction.iter().map(|c| c * c).sum());
+        direction.map(|c| c / length)
+    }
+
+    /// A grid with matter here and there, dense and thin, some of it at the walls.
+    pub(crate) fn medium(lattice: u32) -> Turbid {
+        let grid = Grid { lattice, spacing_m: 0.5, origin_m: [0.0; 3] };
+        let mut state = 1u32;
+        let mut random = || {
+            state = state.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
+            (state >> 8) as f32 / (1 << 24) as f32
+        };
+        let density = |_| if random() < 0.2 { 20.0 * random() * random() * random() } else { 0.0 };
+        let leaf_per_m: Vec<f32> = (0..grid.sites()).map(density).collect();
+        let wood_per_m = vec![0.0; leaf_per_m.len()];
+        Turbid { grid, leaf_per_m, wood_per_m, angles: LeafAngles::spherical() }
+    }
+
+    /// [`medium`], and one with matter far from the walls, a layer thin.
+    pub(crate) fn media() -> [Turbid; 2] {
+        let mut small = medium(16);
+        for site in 0..small.leaf_per_m.len() {
+            let [x, y, z] = small.grid.site(site);
+            if !((3..=6).contains(&x) && (9..=14).contains(&y) && z == 5) {
+                small.leaf_per_m[site] = 0.0;
+            }
         }
-        let mean = gone / s;
-        Passing { transmittance, mean, lean: (mean - transmittance) / s - 0.5 * mean }
+        [medium(16), small]
+    }
+
+    #[test]
+    fn site_by_site_is_ray_by_ray() {
+        for medium in media() {
+            is_ray_by_ray(&medium);
+        }
+    }
+
+    fn is_ray_by_ray(medium: &Turbid) {
+        let sites = medium.sites();
+        let places = Sites::new(&medium.grid, &sites);
+        for towards_sun in DIRECTIONS.map(unit) {
+            for rays in [1, 2, 4] {
+                let found = uncollided(medium, &places, &sites, towards_sun, rays);
+                let expected = uncollided_ray_by_ray(medium, &sites, towards_sun, rays);
+                for place in 0..sites.len() {
+                    let (found_mean, mean) = (found.mean[place], expected.mean[place]);
+                    assert!(
+                        (found_mean - mean).abs() < 1e-5,
+                        "{towards_sun:?}, {rays}: {found_mean}, {mean}"
+                    );
+                    for axis in 0..3 {
+                        let (found, slope) = (found.slope[place][axis], expected.slope[place][axis]);
+                        assert!(
+                            (found - slope).abs() < 1e-4,
+                            "{towards_sun:?}, {rays}, {axis}: {found}, {slope}"
+                        );
+                    }
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn no_sites_have_no_beam() {
+        let medium = Turbid { leaf_per_m: vec![0.0; 16 * 16 * 16], ..medium(16) };
+        let places = Sites::new(&medium.grid, &[]);
+        assert!(uncollided(&medium, &places, &[], [0.0, 1.0, 0.0], 4).mean.is_empty());
     }
 }

@@ -1,6 +1,6 @@
 //! One pass of light through the plant: what each site sends out -> what arrives everywhere, along every ordinate.
 //!
-//! Light is marched along the rays of [`Sites::walk`]. Within a site the source is constant, so the light that leaves
+//! Light is marched along the rays of [`crossings`]. Within a site the source is constant, so the light that leaves
 //! it and the mean along the segment are exact (lighting model, section 9): with `d = psi - q` the excess of the
 //! arriving light over the source function, the segment leaves `q + d exp(-s)` and its mean is `q + d (1 - exp(-s)) /
 //! s`.
@@ -8,8 +8,9 @@
 //! Radiance is relative to an even sky of fluence 1, whose moments are 1, 0, 0, ... The moments are those of the real
 //! [`harmonics`] of the direction of travel: `sum over directions of weight Y_a psi`.
 
-use flb_format::beam::{Beam, Passing, Sites, Step, depth_per_edge};
+use flb_format::beam::{Beam, Crossing, Passing, Sites, crossings, depth_per_edge};
 use flb_format::sun::harmonics;
+use prefetch_index::prefetch_index;
 use rayon::prelude::*;
 
 use super::lanes::{LANES, Lanes};
@@ -65,15 +66,19 @@ struct OrdinateTracks {
 }
 
 impl OrdinateTracks {
-    /// Visits the segments there or back, with whether a ray begins. Each way has code of its own: a visit that is
-    /// called from one place becomes part of the loop, and keeps the ray's light in registers.
+    /// Visits the segments there or back, with whether a ray begins, and a place that is visited some visits later, for
+    /// what lies there to be fetched: nearly all the time would go by waiting for memory. Each way has code of its own:
+    /// a visit that is called from one place becomes part of the loop, and keeps the ray's light in registers.
     #[inline(always)]
-    fn walk<const BACK: bool>(&self, mut visit: impl FnMut(&Segment, bool)) {
+    fn walk<const BACK: bool>(&self, mut visit: impl FnMut(&Segment, bool, usize)) {
+        let count = self.segments.len();
+        let number = |at: usize| if BACK { count - 1 - at } else { at };
         let mut begins = true;
         let mut at = 0;
-        while at < self.segments.len() {
-            let segment = &self.segments[if BACK { self.segments.len() - 1 - at } else { at }];
-            visit(segment, if BACK { segment.is_last() } else { begins });
+        while at < count {
+            let segment = &self.segments[number(at)];
+            let later = if at + AHEAD < count { self.segments[number(at + AHEAD)].place() } else { 0 };
+            visit(segment, if BACK { segment.is_last() } else { begins }, later);
             begins = segment.is_last();
             at += 1;
         }
@@ -94,7 +99,9 @@ impl OrdinateTracks {
     fn pass<const M: usize, const BACK: bool>(&self, source: &Moments<M>, excess: &mut Moments<M>) {
         let y: [f32; M] = self.moments(WAYS[usize::from(BACK)]);
         let mut light = Lanes::default();
-        self.walk::<BACK>(|segment, begins| {
+        self.walk::<BACK>(|segment, begins, later| {
+            prefetch_index(&**source, later);
+            prefetch_index(&**excess, later);
             if begins {
                 light = Lanes::default();
             }
@@ -113,7 +120,7 @@ impl OrdinateTracks {
             _ => (1.0 + below) / 2.0,
         };
         let mut light = comes;
-        self.walk::<BACK>(|segment, begins| {
+        self.walk::<BACK>(|segment, begins, _| {
             if begins {
                 light = comes;
             }
@@ -123,33 +130,45 @@ impl OrdinateTracks {
     }
 
     /// See [`March::first_scattering`]: `turned` is what leaf and wood of albedo 1 scatter of each beam into this
-    /// direction.
+    /// direction, in each band; `albedos` are those of each site, in each band.
     #[inline(never)]
-    fn scatter_first<const M: usize, const BACK: bool>(
+    fn scatter_first<const M: usize, const B: usize, const BACK: bool>(
         &self,
-        albedos: &[[f32; 2]],
-        turned: &[Lanes; 2],
+        albedos: &[[[f32; 2]; B]],
+        turned: &[[Lanes; 2]; B],
         lights: &[[Lanes; 4]],
-        first: &mut Moments<M>,
+        first: &mut [[[Lanes; M]; B]],
     ) {
         let way = WAYS[usize::from(BACK)];
         let (y, direction): ([f32; M], _) = (self.moments(way), self.direction(way));
-        let mut ray = Lanes::default();
-        self.walk::<BACK>(|segment, begins| {
+        let mut rays = [Lanes::default(); B];
+        self.walk::<BACK>(|segment, begins, later| {
+            // Two lines of a cache each.
+            prefetch_index(lights.as_flattened(), 4 * later);
+            prefetch_index(lights.as_flattened(), 4 * later + 2);
+            prefetch_index(first.as_flattened(), B * later);
+            prefetch_index(first.as_flattened(), B * later + B - 1);
             if begins {
-                ray = Lanes::default();
+                rays = [Lanes::default(); B];
             }
             let place = segment.place();
             let slanted = Slanted::new(segment, self.depth[place]);
-            let adds = slanted.cross(albedos[place], turned, &lights[place], direction, segment, &mut ray);
-            for (first, y) in first[place].iter_mut().zip(y) {
-                for (first, adds) in first.0.iter_mut().zip(adds.0) {
-                    *first += y * adds;
+            let light = slanted.light(&lights[place], direction);
+            let (albedos, first) = (&albedos[place], &mut first[place]);
+            for band in 0..B {
+                let adds = slanted.cross(albedos[band], &turned[band], &light, segment, &mut rays[band]);
+                for (first, y) in first[band].iter_mut().zip(y) {
+                    for (first, adds) in first.0.iter_mut().zip(adds.0) {
+                        *first += y * adds;
+                    }
                 }
             }
         });
     }
 }
+
+/// Visits between the fetching of a place and its own.
+const AHEAD: usize = 16;
 
 /// There, and back.
 const WAYS: [f32; 2] = [1.0, -1.0];
@@ -192,14 +211,14 @@ impl March {
         sky
     }
 
-    /// Moments of the light of up to [`LANES`] beams after one scattering, by the phase functions themselves. A beam's
-    /// fluence changes along straight lines within a site, and so does what it scatters: taken constant, sites that are
-    /// dense and lit from one side would be several per cent off.
-    pub(super) fn first_scattering<const M: usize>(
+    /// Moments of the light of up to [`LANES`] beams after one scattering, by the phase functions themselves,
+    /// `[band][site]`. A beam's fluence changes along straight lines within a site, and so does what it scatters: taken
+    /// constant, sites that are dense and lit from one side would be several per cent off.
+    pub(super) fn first_scattering<const M: usize, const B: usize>(
         &self,
-        matter: &SiteScattering,
+        matter: [&SiteScattering; B],
         beams: &[&Beam],
-    ) -> Moments<M> {
+    ) -> [Moments<M>; B] {
         let lanes = |of: &dyn Fn(&Beam) -> f32| {
             Lanes(std::array::from_fn(|lane| beams.get(lane).map_or(0.0, |beam| of(beam))))
         };
@@ -212,39 +231,48 @@ impl March {
                 })
             })
             .collect();
+        let albedos: Vec<[[f32; 2]; B]> =
+            (0..self.escape.len()).map(|site| matter.map(|matter| matter.albedos[site])).collect();
         // What leaf and wood of albedo 1 scatter of a beam into a direction, and what that is in all.
         let phase_of = |phase: Phase, beam: &Beam, direction: [f32; 3]| {
             let along = |i: usize| -beam.towards_sun[i] * f64::from(direction[i]);
             phase.at(along(0) + along(1) + along(2)) as f32
         };
-        let whole = matter.phases.map(|phase| {
-            let ways = |axis: &OrdinateTracks, beam: &Beam| {
-                WAYS.map(|way| phase_of(phase, beam, axis.direction(way)))
-            };
-            let of = |beam: &Beam| {
-                self.axes.iter().map(|axis| axis.weight * ways(axis, beam).iter().sum::<f32>()).sum::<f32>()
-            };
-            lanes(&of)
+        let whole = matter.map(|matter| {
+            matter.phases.map(|phase| {
+                let ways = |axis: &OrdinateTracks, beam: &Beam| {
+                    WAYS.map(|way| phase_of(phase, beam, axis.direction(way)))
+                };
+                let of = |beam: &Beam| {
+                    self.axes
+                        .iter()
+                        .map(|axis| axis.weight * ways(axis, beam).iter().sum::<f32>())
+                        .sum::<f32>()
+                };
+                lanes(&of)
+            })
         });
-        let mut first = vec![[Lanes::default(); M]; self.escape.len()];
+        let mut first = vec![[[Lanes::default(); M]; B]; self.escape.len()];
         for axis in &self.axes {
             for way in WAYS {
                 let direction = axis.direction(way);
-                let turned: [Lanes; 2] = std::array::from_fn(|i| {
-                    let scattered = lanes(&|beam| phase_of(matter.phases[i], beam, direction));
-                    // An idle lane has no light: 0 of 0.
-                    Lanes(std::array::from_fn(|lane| {
-                        scattered.0[lane] / whole[i].0[lane].max(f32::MIN_POSITIVE)
-                    }))
+                let turned: [[Lanes; 2]; B] = std::array::from_fn(|band| {
+                    std::array::from_fn(|i| {
+                        let scattered = lanes(&|beam| phase_of(matter[band].phases[i], beam, direction));
+                        // An idle lane has no light: 0 of 0.
+                        Lanes(std::array::from_fn(|lane| {
+                            scattered.0[lane] / whole[band][i].0[lane].max(f32::MIN_POSITIVE)
+                        }))
+                    })
                 });
                 if way > 0.0 {
-                    axis.scatter_first::<M, false>(&matter.albedos, &turned, &lights, &mut first);
+                    axis.scatter_first::<M, B, false>(&albedos, &turned, &lights, &mut first);
                 } else {
-                    axis.scatter_first::<M, true>(&matter.albedos, &turned, &lights, &mut first);
+                    axis.scatter_first::<M, B, true>(&albedos, &turned, &lights, &mut first);
                 }
             }
         }
-        first
+        std::array::from_fn(|band| first.iter().map(|first| first[band]).collect())
     }
 
     /// Adds the once scattered light of such a sky as lane `lane` of `first`.
@@ -311,6 +339,19 @@ impl Slanted {
         Slanted { length: s / depth, weight: segment.adds / mean, offset, leaves, stays }
     }
 
+    /// The beams' light along the segment, that of the site given as mean and slopes.
+    #[inline(always)]
+    fn light(&self, [mean, x, y, z]: &[Lanes; 4], direction: [f32; 3]) -> SlantedLight {
+        let [dx, dy, dz] = direction.map(|c| c * self.length);
+        let [ox, oy, oz] = self.offset;
+        let mut light = SlantedLight { mean: *mean, aside: Lanes::default(), along: Lanes::default() };
+        for lane in 0..LANES {
+            light.aside.0[lane] = ox * x.0[lane] + oy * y.0[lane] + oz * z.0[lane];
+            light.along.0[lane] = dx * x.0[lane] + dy * y.0[lane] + dz * z.0[lane];
+        }
+        light
+    }
+
     /// Carries the ray across, and gives what the segment adds to the mean of the site over all directions. Each loop
     /// over the lanes is plain, so that it becomes one vector operation after the other.
     #[inline(always)]
@@ -318,19 +359,16 @@ impl Slanted {
         &self,
         [leaf, wood]: [f32; 2],
         [of_leaf, of_wood]: &[Lanes; 2],
-        [mean, x, y, z]: &[Lanes; 4],
-        direction: [f32; 3],
+        light: &SlantedLight,
         segment: &Segment,
         ray: &mut Lanes,
     ) -> Lanes {
-        let [dx, dy, dz] = direction.map(|c| c * self.length);
-        let [ox, oy, oz] = self.offset;
         let mut adds = Lanes::default();
         for lane in 0..LANES {
             let share = leaf * of_leaf.0[lane] + wood * of_wood.0[lane];
-            let aside = share * (ox * x.0[lane] + oy * y.0[lane] + oz * z.0[lane]);
-            let along = share * (dx * x.0[lane] + dy * y.0[lane] + dz * z.0[lane]);
-            let even = share * mean.0[lane];
+            let aside = share * light.aside.0[lane];
+            let along = share * light.along.0[lane];
+            let even = share * light.mean.0[lane];
             let beyond = ray.0[lane] - (even + aside);
             ray.0[lane] = even + aside + beyond * segment.transmittance + along * self.leaves;
             // The even part is the same for all segments of the site, whose weights sum to the ordinate's.
@@ -338,6 +376,16 @@ impl Slanted {
         }
         adds
     }
+}
+
+/// Light of beams along a segment.
+struct SlantedLight {
+    /// Mean over the site.
+    mean: Lanes,
+    /// What its middle has beyond the mean.
+    aside: Lanes,
+    /// By how much it rises from where the ray enters to where it leaves.
+    along: Lanes,
 }
 
 #[inline(always)]
@@ -364,44 +412,25 @@ fn cross<const M: usize>(
 
 fn lay(medium: &Turbid, places: &Sites, sites: &[u32], ordinate: &Ordinate, rays: u32) -> OrdinateTracks {
     let depth = depth_per_edge(medium, sites, ordinate.direction);
-    let mut steps = Vec::new();
-    places.walk(ordinate.direction, rays, |step| steps.push(step));
+    let found = crossings(places, ordinate.direction, rays);
     // Per site: sums of length, and of length x middle.
     let mut sums = vec![[0.0_f32; 4]; sites.len()];
-    for step in &steps {
-        if let Step::Cross { place, length, middle } = step {
-            let [lengths, middles @ ..] = &mut sums[*place as usize];
-            *lengths += *length as f32;
-            middles.iter_mut().zip(middle).for_each(|(sum, middle)| *sum += (length * middle) as f32);
-        }
+    for Crossing { place, length, middle, .. } in &found {
+        let [lengths, middles @ ..] = &mut sums[*place as usize];
+        *lengths += length;
+        middles.iter_mut().zip(middle).for_each(|(sum, middle)| *sum += length * middle);
     }
-    let mut segments: Vec<Segment> = Vec::new();
-    for step in steps {
-        match step {
-            Step::Cross { place, length, middle } => {
-                let s = depth[place as usize] * length as f32;
-                let passing = Passing::new(s);
-                let [lengths, middles @ ..] = sums[place as usize];
-                let share = length as f32 / lengths;
-                let from_mean = |axis: usize| middle[axis] as f32 - middles[axis] / lengths;
-                let offset = std::array::from_fn(|axis| (from_mean(axis) * FINE).clamp(-127.0, 127.0) as i8);
-                let adds = ordinate.weight as f32 * share * passing.mean;
-                segments.push(Segment {
-                    place,
-                    transmittance: passing.transmittance,
-                    adds,
-                    depth: s,
-                    offset,
-                });
-            }
-            Step::End => {
-                if let Some(last) = segments.last_mut() {
-                    last.place |= LAST;
-                }
-            }
-        }
-    }
-    segments.shrink_to_fit();
+    let segment = |&Crossing { place, is_last, length, middle }: &Crossing| {
+        let s = depth[place as usize] * length;
+        let passing = Passing::new(s);
+        let [lengths, middles @ ..] = sums[place as usize];
+        let from_mean = |axis: usize| middle[axis] - middles[axis] / lengths;
+        let offset = std::array::from_fn(|axis| (from_mean(axis) * FINE).clamp(-127.0, 127.0) as i8);
+        let adds = ordinate.weight as f32 * (length / lengths) * passing.mean;
+        let place = if is_last { place | LAST } else { place };
+        Segment { place, transmittance: passing.transmittance, adds, depth: s, offset }
+    };
+    let segments = found.iter().map(segment).collect();
     let y = harmonics::evaluate(ordinate.direction);
     OrdinateTracks {
         direction: ordinate.direction.map(|c| c as f32),

@@ -9,7 +9,7 @@ use rayon::prelude::*;
 use super::OrdinatesSettings;
 use super::lanes::LANES;
 use super::march::{March, SiteScattering};
-use super::moments::ScatteringMoments;
+use super::moments::{Moments, ScatteringMoments};
 use super::source_iteration::source_iteration;
 use crate::turbid::{BandScatter, Phase};
 
@@ -130,50 +130,93 @@ pub(super) fn scatter(
     if settings.sky() && beams.len().is_multiple_of(LANES) {
         groups.push(&[]);
     }
-    let work: Vec<(&Band, usize)> =
-        bands.iter().flat_map(|band| (0..groups.len()).map(move |g| (band, g))).collect();
+    let sets = sets(bands, groups.len());
+    let work: Vec<(&[usize], usize)> =
+        sets.iter().flat_map(|set| (0..groups.len()).map(move |group| (set.as_slice(), group))).collect();
     let done = AtomicUsize::new(0);
-    let made: Vec<Lit> = work
+    let made: Vec<Vec<Lit>> = work
         .par_iter()
-        .map(|&(band, group)| {
+        .map(|&(set, group)| {
             let sky = (settings.sky() && group + 1 == groups.len()).then_some(below);
-            let lit = match band.moments {
-                1 => of_group::<1>(march, band, groups[group], sky, settings),
-                4 => of_group::<4>(march, band, groups[group], sky, settings),
-                _ => of_group::<9>(march, band, groups[group], sky, settings),
+            let set: Vec<&Band> = set.iter().map(|&band| &bands[band]).collect();
+            let lit = match set[0].moments {
+                1 => of_bands::<1>(march, &set, groups[group], sky, settings),
+                4 => of_bands::<4>(march, &set, groups[group], sky, settings),
+                _ => of_bands::<9>(march, &set, groups[group], sky, settings),
             };
             progress((done.fetch_add(1, Ordering::Relaxed) + 1) as f64 / work.len() as f64);
             lit
         })
         .collect();
-    let mut made = made.into_iter();
-    let mut next = || {
-        let of_band: Vec<Lit> = made.by_ref().take(groups.len()).collect();
+    // Groups of each band in their order.
+    let mut of_bands: Vec<Vec<Lit>> = bands.iter().map(|_| Vec::new()).collect();
+    for ((set, _), made) in work.iter().zip(made) {
+        set.iter().zip(made).for_each(|(&band, lit)| of_bands[band].push(lit));
+    }
+    let joined = |of_band: Vec<Lit>| {
         let passes = of_band.iter().map(|lit| lit.passes).max().unwrap_or(0);
         let error_estimate = of_band.iter().map(|lit| lit.error_estimate).fold(0.0, f64::max);
         Lit { light: of_band.into_iter().flat_map(|lit| lit.light).collect(), passes, error_estimate }
     };
-    bands.iter().map(|_| next()).collect()
+    of_bands.into_iter().map(joined).collect()
 }
 
-/// Up to [`LANES`] suns, or fewer and the sky.
-fn of_group<const M: usize>(
+/// Most bands that go together.
+const TOGETHER: usize = 3;
+
+/// Numbers of the bands that go together: of one number of moments, and no more than leave work for every thread.
+/// Results do not depend on it.
+fn sets(bands: &[Band], groups: usize) -> Vec<Vec<usize>> {
+    let wanted = rayon::current_num_threads().div_ceil(groups.max(1));
+    let most = (bands.len() / wanted).clamp(1, TOGETHER);
+    let mut sets: Vec<Vec<usize>> = Vec::new();
+    for (number, band) in bands.iter().enumerate() {
+        match sets.iter_mut().find(|set| set.len() < most && bands[set[0]].moments == band.moments) {
+            Some(set) => set.push(number),
+            None => sets.push(vec![number]),
+        }
+    }
+    sets
+}
+
+/// Up to [`TOGETHER`] bands under up to [`LANES`] suns, or fewer and the sky.
+fn of_bands<const M: usize>(
     march: &March,
-    band: &Band,
+    bands: &[&Band],
     beams: &[&Beam],
     sky: Option<f32>,
     settings: &OrdinatesSettings,
-) -> Lit {
-    let mut first = march.first_scattering::<M>(&band.matter, beams);
+) -> Vec<Lit> {
+    match *bands {
+        [a] => of_group::<M, 1>(march, [a], beams, sky, settings),
+        [a, b] => of_group::<M, 2>(march, [a, b], beams, sky, settings),
+        [a, b, c] => of_group::<M, 3>(march, [a, b, c], beams, sky, settings),
+        _ => unreachable!("a set has up to {TOGETHER} bands"),
+    }
+}
+
+fn of_group<const M: usize, const B: usize>(
+    march: &March,
+    bands: [&Band; B],
+    beams: &[&Beam],
+    sky: Option<f32>,
+    settings: &OrdinatesSettings,
+) -> Vec<Lit> {
+    let mut first = march.first_scattering::<M, B>(bands.map(|band| &band.matter), beams);
     if let Some(below) = sky {
-        march.add_first_of_sky(&band.gains, below, beams.len(), &mut first);
+        for (band, first) in bands.iter().zip(&mut first) {
+            march.add_first_of_sky(&band.gains, below, beams.len(), first);
+        }
     }
-    let solved = source_iteration(march, &band.gains, &first, settings.tolerance, settings.max_passes);
     let lanes = beams.len() + usize::from(sky.is_some());
-    let of_lane = |lane: usize| solved.light.iter().map(|moments| moments[0].0[lane]).collect();
-    Lit {
-        light: (0..lanes).map(of_lane).collect(),
-        passes: solved.passes,
-        error_estimate: solved.error_estimate,
-    }
+    let lit = |(band, first): (&Band, Moments<M>)| {
+        let solved = source_iteration(march, &band.gains, &first, settings.tolerance, settings.max_passes);
+        let of_lane = |lane: usize| solved.light.iter().map(|moments| moments[0].0[lane]).collect();
+        Lit {
+            light: (0..lanes).map(of_lane).collect(),
+            passes: solved.passes,
+            error_estimate: solved.error_estimate,
+        }
+    };
+    bands.into_iter().zip(first).map(lit).collect()
 }

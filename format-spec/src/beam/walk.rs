@@ -1,48 +1,41 @@
-//! Parallel rays through the lattice along one direction, as runs of the sites that they cross.
+//! Oracle of [`uncollided`](super::uncollided) and [`crossings`](super::crossings): parallel rays through the lattice,
+//! one after the other.
 //!
 //! Rays start on a square grid across the direction's largest component, a whole number per site, so that every
 //! site is crossed by the same number of rays at its middle, and by some more at its corners. Where a ray crosses no
 //! matter nothing happens to it, so only non-empty sites appear.
 
+use super::passing::Passing;
+use super::sites::Sites;
+use super::sweep::SHORTEST;
+use super::uncollided::{Beam, depth_per_edge};
 use crate::Grid;
+use crate::turbid::Turbid;
 
 /// No site: the place is empty.
 const EMPTY: u32 = u32::MAX;
 
-/// Rays on an edge of a bundle.
-const BUNDLE: usize = 8;
-
-/// Shorter pieces of a ray, in site edges, are left out: rounding at corners.
-const SHORTEST: f64 = 1e-6;
-
-/// The non-empty sites of a lattice, for rays to find.
-pub struct Sites {
+/// The non-empty sites of a lattice by their places.
+pub(super) struct Walker {
     lattice: usize,
     /// `[z][y][x]`: place in the list of non-empty sites, or [`EMPTY`].
     place: Vec<u32>,
-    /// First and last coordinate of non-empty sites, per axis; first above last if there are none.
     bounds: [[usize; 2]; 3],
 }
 
-impl Sites {
-    /// Builds the index of the non-empty sites from their ascending indices.
-    pub fn new(grid: &Grid, sites: &[u32]) -> Sites {
-        let lattice = grid.lattice as usize;
+impl Walker {
+    pub(super) fn new(grid: &Grid, sites: &[u32]) -> Walker {
         let mut place = vec![EMPTY; grid.sites()];
         for (at, &site) in (0u32..).zip(sites) {
             place[site as usize] = at;
         }
-        let bounds = match grid.box_around(sites) {
-            None => [[lattice, 0]; 3],
-            Some([low, end]) => std::array::from_fn(|axis| [low[axis] as usize, end[axis] as usize - 1]),
-        };
-        Sites { lattice, place, bounds }
+        Walker { lattice: grid.lattice as usize, place, bounds: *Sites::new(grid, sites).bounds() }
     }
 
     /// Walks every ray along `direction` (a unit vector), `rays` of them per site edge. Tells of each crossed site its
     /// place in the list and the length of the crossing in site edges, in the order of travel, and [`Step::End`] after
     /// each ray that crossed any.
-    pub fn walk(&self, direction: [f64; 3], rays: u32, mut tell: impl FnMut(Step)) {
+    pub(super) fn walk(&self, direction: [f64; 3], rays: u32, mut tell: impl FnMut(Step)) {
         let magnitude = direction.map(f64::abs);
         let main = (0..3).fold(0, |main, axis| if magnitude[axis] > magnitude[main] { axis } else { main });
         let [first, last] = self.bounds[main];
@@ -69,26 +62,17 @@ impl Sites {
             let first = libm::floor((low - ends[0].max(ends[1])) * n) as i64;
             first..libm::ceil((high + 1.0 - ends[0].min(ends[1])) * n) as i64
         });
-        // Bundles of neighbouring rays, one after the other, meet the same sites while these are in the cache.
-        let bundles = |range: &std::ops::Range<i64>| {
-            let end = range.end;
-            range.clone().step_by(BUNDLE).map(move |first| first..(first + BUNDLE as i64).min(end))
-        };
-        for rows in bundles(&range[0]) {
-            for columns in bundles(&range[1]) {
-                for i in rows.clone() {
-                    for j in columns.clone() {
-                        let middle = [i, j].map(|k| (k as f64 + 0.5) / f64::from(rays));
-                        let mut crossed = false;
-                        for step in 0..layers {
-                            let at = if direction[main] < 0.0 { last - step } else { first + step };
-                            let enter = [0, 1].map(|i| middle[i] + layer.slope[i] * (step as f64 - 0.5));
-                            crossed |= layer.cross(at * stride[main], enter, &mut tell);
-                        }
-                        if crossed {
-                            tell(Step::End);
-                        }
-                    }
+        for i in range[0].clone() {
+            for j in range[1].clone() {
+                let middle = [i, j].map(|k| (k as f64 + 0.5) / f64::from(rays));
+                let mut crossed = false;
+                for step in 0..layers {
+                    let at = if direction[main] < 0.0 { last - step } else { first + step };
+                    let enter = [0, 1].map(|i| middle[i] + layer.slope[i] * (step as f64 - 0.5));
+                    crossed |= layer.cross(at * stride[main], enter, &mut tell);
+                }
+                if crossed {
+                    tell(Step::End);
                 }
             }
         }
@@ -97,7 +81,7 @@ impl Sites {
 
 /// One step of a ray through the lattice.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub enum Step {
+pub(super) enum Step {
     /// The ray crosses a site.
     Cross {
         /// Place of the site in the list of non-empty sites.
@@ -113,7 +97,7 @@ pub enum Step {
 
 /// How a ray crosses a layer of sites.
 struct Layer<'s> {
-    sites: &'s Sites,
+    sites: &'s Walker,
     /// Shift across the layer along the two other axes, at most 1.
     slope: [f64; 2],
     bounds: [[usize; 2]; 2],
@@ -185,4 +169,32 @@ impl Layer<'_> {
         tell(Step::Cross { place, length, middle });
         true
     }
+}
+
+/// Computes [`uncollided`](super::uncollided) ray by ray.
+pub fn uncollided_ray_by_ray(medium: &Turbid, sites: &[u32], towards_sun: [f64; 3], rays: u32) -> Beam {
+    let depth = depth_per_edge(medium, sites, towards_sun);
+    let travel = towards_sun.map(|c| -c as f32);
+    // Sums over the crossings: length, light, light x offset from the site's centre.
+    let mut sums = vec![[0.0_f32; 5]; sites.len()];
+    let mut light = 1.0_f32;
+    Walker::new(&medium.grid, sites).walk(towards_sun.map(|c| -c), rays, |step| match step {
+        Step::Cross { place, length, middle } => {
+            let length = length as f32;
+            let passing = Passing::new(depth[place as usize] * length);
+            let [lengths, mean, offset @ ..] = &mut sums[place as usize];
+            *lengths += length;
+            *mean += light * passing.mean * length;
+            for axis in 0..3 {
+                let along = passing.lean * length * travel[axis];
+                offset[axis] += light * length * (passing.mean * middle[axis] as f32 + along);
+            }
+            light *= passing.transmittance;
+        }
+        Step::End => light = 1.0,
+    });
+    // Over a unit cube, offsets have a variance of 1/12 along each axis. Every site is crossed in its middle layer.
+    let slope_of = |[length, _, offset @ ..]: &[f32; 5]| offset.map(|sum| 12.0 * sum / length);
+    let mean_of = |[length, mean, ..]: &[f32; 5]| mean / length;
+    Beam { towards_sun, mean: sums.iter().map(mean_of).collect(), slope: sums.iter().map(slope_of).collect() }
 }
