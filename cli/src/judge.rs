@@ -10,7 +10,7 @@ use flb_files::check_unread;
 use flb_format::provenance::IGNORE_ALPHA;
 use flb_runtime::SpeciesLight;
 use flb_scene::Step;
-use flb_transport::monte_carlo::judge as suns;
+use flb_transport::monte_carlo::judge::suns;
 use serde::Serialize;
 
 use crate::args::JudgeArgs;
@@ -93,9 +93,9 @@ pub(crate) fn run(args: &JudgeArgs) -> Result<u8, Failure> {
     let ignore_alpha = meta.recorded(&IGNORE_ALPHA) == Some(true);
     let points = judged_points(&classed, args.points, ignore_alpha)
         .map_err(|error| Failure::from(error).at(&args.mesh))?;
-    let towards = suns::suns(args.suns as usize);
-    let light = SpeciesLight::load_for(&library, index, towards.iter().copied(), true)?;
-    let judge = MeshJudge::new(&light, surfaces, points, args.suns as usize, &stages)
+    let suns = suns(args.suns as usize);
+    let light = SpeciesLight::load_for(&library, index, suns.iter().copied(), true)?;
+    let judge = MeshJudge::new(&light, surfaces, points, suns, &stages)
         .map_err(|error| Failure::from(error).at(library.path()))?;
     let mut drawn = Vec::new();
     if args.picture.is_some() {

@@ -30,6 +30,8 @@ pub(crate) struct Stage {
 #[derive(Default)]
 pub(crate) struct Stages {
     state: Mutex<State>,
+    /// Whether notes are left out where stderr is no terminal.
+    notes_on_terminals: bool,
 }
 
 #[derive(Default)]
@@ -68,7 +70,9 @@ impl Observer for Stages {
     }
 
     fn note(&self, text: &str) {
-        say!("{text}");
+        if !self.notes_on_terminals || print::is_terminal() {
+            say!("{text}");
+        }
     }
 }
 
@@ -77,12 +81,17 @@ impl BakeObserver for Stages {
         match event {
             Event::Reused { .. } => {}
             Event::Solved(summary) => self.add_solve(summary.clone()),
-            told => self.note(&told.to_string()),
+            told => say!("{told}"),
         }
     }
 }
 
 impl Stages {
+    /// Of many bakes, whose notes tell which of them runs: for a terminal alone. Events of a bake are always said.
+    pub(crate) fn noting_on_terminals() -> Stages {
+        Stages { notes_on_terminals: true, ..Stages::default() }
+    }
+
     /// Runs `work` as a step; `subject` is shown beside the bar. `work` reports 0..=1.
     pub(crate) fn run<T>(
         &self,

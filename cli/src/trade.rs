@@ -8,10 +8,9 @@ mod report;
 use std::cell::Cell;
 use std::path::PathBuf;
 
-use flb_baker::bake::{BakeObserver, Event};
 use flb_baker::voxelise::MAX_VOXELS;
 use flb_eval::trade::{Heap, TradeSettings, available_bytes, trade};
-use flb_scene::{Observer, Plant, Step};
+use flb_scene::{Plant, Step};
 
 use crate::HEAP;
 use crate::args::TradeArgs;
@@ -41,35 +40,6 @@ impl Heap for Counted {
     }
 }
 
-/// Follows many bakes: which of them runs is said on a terminal alone.
-struct Followed(Stages);
-
-impl Observer for Followed {
-    fn begin(&self, step: Step, subject: &str) {
-        self.0.begin(step, subject);
-    }
-
-    fn progress(&self, share: f64) {
-        self.0.progress(share);
-    }
-
-    fn end(&self, step: Step) {
-        self.0.end(step);
-    }
-
-    fn note(&self, text: &str) {
-        if print::is_terminal() {
-            self.0.note(text);
-        }
-    }
-}
-
-impl BakeObserver for Followed {
-    fn hear(&self, event: &Event) {
-        self.0.hear(event);
-    }
-}
-
 /// Checks, measures every choice, publishes the folder, prints the table.
 pub(crate) fn run(args: &TradeArgs) -> Result<u8, Failure> {
     let lattices = lattices(args)?;
@@ -89,7 +59,7 @@ pub(crate) fn run(args: &TradeArgs) -> Result<u8, Failure> {
     };
     let name = reader.plants.name(&args.mesh_file).unwrap_or_default();
     // What is odd about the mesh is said once; what it names is known only then.
-    let stages = Stages::default();
+    let stages = Stages::noting_on_terminals();
     let first = stages.run(Step::Import, "", |_| reader.read_classed(&args.mesh_file))?;
     report::check_unread(&folder)?;
     reader.measure(&args.mesh_file, &first);
@@ -99,8 +69,8 @@ pub(crate) fn run(args: &TradeArgs) -> Result<u8, Failure> {
         let classed = first.take().map_or_else(|| reader.read_classed(&args.mesh_file), Ok)?;
         Ok(reader.plants.plant(name.clone(), classed))
     };
-    let mut measured = trade(&plants, &settings, &Counted, &Followed(stages))
-        .map_err(|failure| failure.at(&args.mesh_file))?;
+    let mut measured =
+        trade(&plants, &settings, &Counted, &stages).map_err(|failure| failure.at(&args.mesh_file))?;
     for skipped in measured.skipped.iter_mut().filter(|skipped| skipped.is_of_memory) {
         skipped.reason += " (--memory-limit)";
     }

@@ -5,6 +5,7 @@ use flb_format::provenance::IGNORE_ALPHA;
 use flb_packer::{EncodeSettings, EncodedSpecies, write_library_to};
 use flb_runtime::{Library, SpeciesLight};
 use flb_scene::{ClassedMesh, Observer};
+use flb_transport::monte_carlo::judge::suns;
 
 use crate::EvalError;
 use crate::mesh::{JudgeSettings, MeshJudge, judged_points, judged_surfaces, mesh_error};
@@ -39,7 +40,7 @@ pub fn judge_coded(
     let ignore_alpha = species.meta.recorded(&IGNORE_ALPHA) == Some(true);
     let points = judged_points(&mesh, settings.points, ignore_alpha)?;
     let found = JudgeSettings { points: points.len() as u32, ..settings };
-    let judge = MeshJudge::new(&light, surfaces, points, settings.suns as usize, observer)?;
+    let judge = MeshJudge::new(&light, surfaces, points, suns(settings.suns as usize), observer)?;
     let error = mesh_error(&judge.judge(&mesh, settings.samples, &name, observer)?, found);
     species.set_mesh_error(&error, coding)?;
     Ok(error)

@@ -10,6 +10,7 @@
 //! use flb_eval::{JudgeSettings, MeshJudge, judged_points, judged_surfaces};
 //! use flb_runtime::{Library, SpeciesLight};
 //! use flb_scene::{ClassRules, ImportSettings, PlantReader, Unobserved, import};
+//! use flb_transport::monte_carlo::judge;
 //!
 //! let library = Library::open("oak.flb")?;
 //! let reader = PlantReader::new(None, ImportSettings::default(), ClassRules::default());
@@ -18,7 +19,7 @@
 //! let surfaces = judged_surfaces(&library.container().species()[0].meta)?;
 //! let JudgeSettings { suns, points, samples } = JudgeSettings::default();
 //! let points = judged_points(&mesh, points, false)?;
-//! let judge = MeshJudge::new(&light, surfaces, points, suns as usize, &Unobserved)?;
+//! let judge = MeshJudge::new(&light, surfaces, points, judge::suns(suns as usize), &Unobserved)?;
 //! let judged = judge.judge(&mesh, samples, "oak", &Unobserved)?;
 //! if let Some(sky) = judged.leaf.and_then(|leaf| leaf.sky) {
 //!     println!("leaves under the sky: {:.3} of the truth in green", sky.ratio[1]);

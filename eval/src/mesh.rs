@@ -5,7 +5,6 @@ use flb_render::irradiance::PointIrradiance;
 use flb_render::{RenderError, Surfaces, irradiance};
 use flb_runtime::{Daylight, InstanceLight, RuntimeError, SpeciesLight};
 use flb_scene::{ClassedMesh, Observer, Step, SurfacePoint, surface_points};
-use flb_transport::monte_carlo::judge::suns;
 use rayon::prelude::*;
 
 use crate::EvalError;
@@ -47,25 +46,22 @@ pub struct MeshJudge<'l> {
 }
 
 impl<'l> MeshJudge<'l> {
-    /// Prepares the light of a file under the first `count` of [`suns`], and under the sky. `surfaces` are those of
+    /// Prepares the light of a file under suns (unit vectors towards them, model space), those of
+    /// [`suns`](flb_transport::monte_carlo::judge::suns) for example, and under the sky. `surfaces` are those of
     /// [`judged_surfaces`].
     ///
     /// # Errors
     /// [`EvalError::NoSky`]; [`EvalError::Runtime`] for a sun whose bases were left out.
-    ///
-    /// # Panics
-    /// As [`suns`].
     pub fn new(
         light: &'l SpeciesLight<'_>,
         surfaces: Surfaces,
         points: Vec<SurfacePoint>,
-        count: usize,
+        suns: Vec<[f64; 3]>,
         observer: &dyn Observer,
     ) -> Result<MeshJudge<'l>, EvalError> {
         if !light.has_sky() {
             return Err(EvalError::NoSky);
         }
-        let suns = suns(count);
         let light = Step::Prepare.run(observer, "", |_| {
             let of_suns = suns.iter().map(|&towards_sun| Daylight { towards_sun, sun: 1.0, sky: 0.0 });
             let of_sky = Daylight { towards_sun: [0.0, 1.0, 0.0], sun: 0.0, sky: 1.0 };

@@ -4,6 +4,7 @@ use flb_format::{MaterialSurface, Quality};
 use flb_packer::{EncodeSettings, encode_species, write_library_to};
 use flb_runtime::{Library, SpeciesLight};
 use flb_scene::{ClassedMesh, MaterialClass, Plant, Unobserved};
+use flb_transport::monte_carlo::judge::suns;
 use flb_transport::ordinates::Ordinates;
 
 use super::*;
@@ -56,7 +57,7 @@ fn coded_light_is_judged_with_the_surfaces_that_its_file_states() {
     let sky = |mesh: &ClassedMesh| {
         let points = judged_points(mesh, settings.points, false).expect("leaves");
         let surfaces = judged_surfaces(meta).expect("a physical file");
-        let judge = MeshJudge::new(&light, surfaces, points, 1, &Unobserved).expect("a sky");
+        let judge = MeshJudge::new(&light, surfaces, points, suns(1), &Unobserved).expect("a sky");
         let judged = judge.judge(mesh, settings.samples, "shrub", &Unobserved).expect("a good mesh");
         judged.leaf.expect("leaves").sky.expect("lit").ratio[1]
     };

@@ -16,7 +16,7 @@ mod parts;
 pub mod torture;
 
 use crate::container::verify;
-use crate::{Container, FormatError, Source};
+use crate::{FormatError, Source};
 
 pub use dice::Dice;
 pub use golden::{GOLDEN, golden};
@@ -27,10 +27,5 @@ pub use parts::{Digests, Page, Parts};
 /// # Errors
 /// The first broken promise.
 pub fn check(file: &dyn Source) -> Result<(), FormatError> {
-    let container = Container::open(file)?;
-    verify::check_material_surfaces(&container)?;
-    verify::check_pages(&container, file)?;
-    verify::check_padding(&container, file)?;
-    verify::check_root(&container, file)?;
-    verify::check_content(&container, file)
+    verify::check(file, verify::Level::Decode)
 }

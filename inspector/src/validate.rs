@@ -1,36 +1,9 @@
 //! Does a file keep every promise of SPEC.md? Four levels, each holding the ones before it.
 
-use flb_format::container::{Container, read_header, verify};
 use flb_format::{ErrorClass, FormatError, Source};
 use serde::Serialize;
 
-/// Depth of a validation.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
-pub enum Level {
-    /// The header alone.
-    Header,
-    /// Table of contents, page tables, metadata.
-    Tables,
-    /// Every page's digest and frame, the padding, the BLAKE3 root.
-    Pages,
-    /// Every page's content: blocks, values, media.
-    Decode,
-}
-
-impl Level {
-    /// All levels, from the quickest to the deepest, with their names.
-    pub const ALL: [(Level, &'static str); 4] = [
-        (Level::Header, "header"),
-        (Level::Tables, "tables"),
-        (Level::Pages, "pages"),
-        (Level::Decode, "decode"),
-    ];
-
-    /// The level of this name.
-    pub fn from_name(name: &str) -> Option<Level> {
-        Level::ALL.into_iter().find(|(_, n)| *n == name).map(|(level, _)| level)
-    }
-}
+pub use flb_format::container::verify::{Level, check};
 
 /// The verdict on a file.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize)]
@@ -73,27 +46,6 @@ impl Report {
 /// Checks a file up to a level and stops at the first broken promise.
 pub fn validate(source: &dyn Source, level: Level) -> Report {
     Report::of(check(source, level))
-}
-
-/// Validates a file as [`validate`], with the error itself.
-///
-/// # Errors
-/// The first broken promise.
-pub fn check(source: &dyn Source, level: Level) -> Result<(), FormatError> {
-    if level == Level::Header {
-        return read_header(source).map(drop);
-    }
-    let container = Container::open(source)?;
-    verify::check_material_surfaces(&container)?;
-    if level >= Level::Pages {
-        verify::check_pages(&container, source)?;
-        verify::check_padding(&container, source)?;
-        verify::check_root(&container, source)?;
-    }
-    if level >= Level::Decode {
-        verify::check_content(&container, source)?;
-    }
-    Ok(())
 }
 
 #[cfg(test)]

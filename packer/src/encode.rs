@@ -52,19 +52,38 @@ impl Default for EncodeSettings {
     }
 }
 
-impl EncodeSettings {
-    /// Settings by which a quality keeps the light, by one of the codecs.
-    pub fn of(quality: Quality, codec: Codec) -> EncodeSettings {
-        let (psnr_db, relative, threshold) = match quality {
+/// Errors that a quality codes to.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct CodingPreset {
+    /// PSNR of `classed` and `haar`, in dB.
+    pub psnr_db: f64,
+    /// Relative error of `classed` and `haar` in dark places.
+    pub dark_error: f64,
+    /// Threshold of `haar-paper`.
+    pub threshold: f32,
+}
+
+impl CodingPreset {
+    /// Returns the errors of a quality.
+    pub fn of(quality: Quality) -> CodingPreset {
+        let (psnr_db, dark_error, threshold) = match quality {
             Quality::Draft => (38.0, 0.15, 0.05),
             Quality::Standard => (45.0, 0.06, 0.02),
             Quality::Fine => (52.0, 0.03, 0.005),
             Quality::Reference => (60.0, 0.01, 0.0),
         };
+        CodingPreset { psnr_db, dark_error, threshold }
+    }
+}
+
+impl EncodeSettings {
+    /// Settings by which a quality keeps the light, by one of the codecs.
+    pub fn of(quality: Quality, codec: Codec) -> EncodeSettings {
+        let CodingPreset { psnr_db, dark_error, threshold } = CodingPreset::of(quality);
         EncodeSettings {
             codec,
             threshold: if codec == Codec::HaarPaper { threshold } else { 0.0 },
-            target: Target::Both { psnr_db, relative },
+            target: Target::Both { psnr_db, relative: dark_error },
             all_blocks: false,
             compress: codec.is_near_geometry(),
             page_bytes: PAGE_BYTES,

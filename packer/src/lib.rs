@@ -14,7 +14,7 @@ pub mod rate;
 mod surface;
 mod write;
 
-pub use encode::{EncodeSettings, EncodedPage, EncodedSection, EncodedSpecies, encode_species};
+pub use encode::{CodingPreset, EncodeSettings, EncodedPage, EncodedSection, EncodedSpecies, encode_species};
 pub use error::PackError;
 pub use flb_format::SpeciesFields;
 pub use load::{Copier, copy_species, load_species};

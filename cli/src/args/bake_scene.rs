@@ -4,9 +4,9 @@ use std::path::PathBuf;
 
 use clap::Args;
 use flb_baker::SceneSettings;
+use flb_transport::ordinates::NamedSuns;
 
 use super::MemoryArgs;
-use flb_transport::ordinates::NamedSuns;
 
 #[derive(Args)]
 pub(crate) struct BakeSceneArgs {

@@ -2,10 +2,8 @@
 
 use clap::ValueEnum;
 use flb_baker::bake::{BakeSettings, PaperSettings, PhysicalSettings};
-use flb_format::{Codec, Quality};
-use flb_packer::EncodeSettings;
-use flb_packer::rate::Target;
-
+use flb_format::Quality;
+use flb_packer::CodingPreset;
 use flb_transport::ordinates::NamedSuns;
 
 /// A quality as a flag's value.
@@ -53,14 +51,12 @@ pub(crate) struct Preset {
 /// What a quality sets each flag to.
 fn preset(quality: Quality) -> Preset {
     let physical = PhysicalSettings::of(quality);
-    let Target::Both { psnr_db, relative } = EncodeSettings::of(quality, Codec::Classed).target else {
-        unreachable!("a quality bounds both errors");
-    };
+    let CodingPreset { psnr_db, dark_error, threshold } = CodingPreset::of(quality);
     Preset {
         lattice: BakeSettings::of(quality).lattice,
         psnr_db,
-        dark_error: relative,
-        threshold: EncodeSettings::of(quality, Codec::HaarPaper).threshold,
+        dark_error,
+        threshold,
         suns: NamedSuns::of(&physical.suns).expect("a test goes through all"),
         ordinates: physical.ordinates.count(),
         cut_sites: physical.parts > 1,

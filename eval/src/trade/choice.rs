@@ -7,8 +7,8 @@ use std::fmt;
 
 use flb_baker::bake::{BakeSettings, ModelSettings, PaperSettings, PhysicalSettings};
 use flb_format::{Codec, FieldKind, Quality};
-use flb_packer::EncodeSettings;
 use flb_packer::rate::Target;
+use flb_packer::{CodingPreset, EncodeSettings};
 use flb_transport::ordinates::{NamedSuns, Ordinates, rays_for};
 
 /// Model of light transport with its settings.
@@ -209,15 +209,12 @@ pub(super) fn presets_of(solve: &Solve, store: &Store) -> Vec<&'static str> {
 }
 
 fn coded(quality: Quality) -> Store {
-    let Target::Both { psnr_db, relative } = EncodeSettings::of(quality, Codec::Classed).target else {
-        unreachable!("a quality bounds both errors");
-    };
-    Store { codec: Codec::Classed, psnr_db, dark_error: relative, ..RAW }
+    let CodingPreset { psnr_db, dark_error, .. } = CodingPreset::of(quality);
+    Store { codec: Codec::Classed, psnr_db, dark_error, ..RAW }
 }
 
 fn papers(quality: Quality) -> Store {
-    let codec = Codec::HaarPaper;
-    Store { codec, threshold: EncodeSettings::of(quality, codec).threshold, ..RAW }
+    Store { codec: Codec::HaarPaper, threshold: CodingPreset::of(quality).threshold, ..RAW }
 }
 
 fn all_stores() -> Vec<Store> {

@@ -1,7 +1,7 @@
 //! Rays along one direction as runs of the sites that they cross.
 
 use super::sites::Sites;
-use super::sweep::{SHORTEST, Sweep};
+use super::sweep::Sweep;
 
 /// Rays on an edge of a bundle. Neighbouring rays, one after the other, meet the same sites while these are in the
 /// cache.
@@ -30,28 +30,22 @@ pub fn crossings(sites: &Sites, direction: [f64; 3], rays: u32) -> Vec<Crossing>
         let bundle = (row / BUNDLE) * bundles + column / BUNDLE;
         bundle * BUNDLE * BUNDLE + (row % BUNDLE) * BUNDLE + column % BUNDLE
     };
-    let (way, edge, [rise, run]) =
-        (sweep.way as f32, sweep.length as f32, sweep.slope.map(|slope| slope as f32));
+    let way = sweep.way();
     let mut found: Vec<(u32, Crossing)> = Vec::new();
     // Crossings of each ray.
     let mut counts = vec![0u32; rows.div_ceil(BUNDLE) * bundles * BUNDLE * BUNDLE];
     sweep.visit(|place, across, along| {
-        for (row, ((&enter, &leave), &start)) in
-            across.enter.iter().zip(&across.leave).zip(&across.start).enumerate()
-        {
-            for (column, ((&enters, &leaves), &starts)) in
-                along.enter.iter().zip(&along.leave).zip(&along.start).enumerate()
-            {
+        for (row, [enter, leave, start]) in across.rays() {
+            for (column, [enters, leaves, starts]) in along.rays() {
                 let (from, to) = (enters.max(enter), leaves.min(leave));
-                let length = (to - from) * edge;
-                if length < SHORTEST as f32 {
+                let length = way.length(from, to);
+                if length == 0.0 {
                     continue;
                 }
-                let half = 0.5 * (from + to);
                 let mut middle = [0.0; 3];
-                let offset = [way * (half - 0.5), start + rise * half, starts + run * half];
+                let offset = way.middle(from, to, [start, starts]);
                 sweep.axes.into_iter().zip(offset).for_each(|(axis, offset)| middle[axis] = offset);
-                let ray = number(across.first + row, along.first + column);
+                let ray = number(row, column);
                 counts[ray] += 1;
                 found.push((ray as u32, Crossing { place, is_last: false, length, middle }));
             }

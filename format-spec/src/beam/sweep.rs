@@ -21,11 +21,11 @@ pub(super) struct Sweep<'s> {
     /// Axes: that of the largest component, and the two across it: the one of the larger stride, the other.
     pub axes: [usize; 3],
     /// -1 where rays go down along the first axis, else 1.
-    pub way: f64,
+    sign: f64,
     /// Length of a ray within a layer, in site edges.
-    pub length: f64,
+    length: f64,
     /// Shift across a layer along the two axes across, at most 1.
-    pub slope: [f64; 2],
+    slope: [f64; 2],
     /// First and last coordinate of non-empty sites along the axes across.
     bounds: [[usize; 2]; 2],
     /// First layer and last.
@@ -48,6 +48,43 @@ pub(super) struct Span {
     pub leave: Vec<f32>,
     /// Position that each ray would have at the beginning of the layer, in site edges from the middle of the slab.
     pub start: Vec<f32>,
+}
+
+impl Span {
+    /// The rays without padding: place along the axis of the picture, then enter, leave and start.
+    pub(super) fn rays(&self) -> impl Iterator<Item = (usize, [f32; 3])> {
+        let rays = self.enter.iter().zip(&self.leave).zip(&self.start);
+        (self.first..)
+            .zip(rays.map(|((&enter, &leave), &start)| [enter, leave, start]))
+            .filter(|(_, [enter, leave, _])| leave > enter)
+    }
+}
+
+/// How rays cross the sites of a layer: in f32, as what they carry.
+#[derive(Clone, Copy)]
+pub(super) struct Way {
+    /// -1 where rays go down along the first axis, else 1.
+    sign: f32,
+    /// Length of a ray within a layer, in site edges.
+    edge: f32,
+    slope: [f32; 2],
+}
+
+impl Way {
+    /// Length of the part `from..to` of the way through the layer, in site edges; 0 where that is next to nothing.
+    #[inline(always)]
+    pub(super) fn length(&self, from: f32, to: f32) -> f32 {
+        let length = (to - from) * self.edge;
+        if length < SHORTEST as f32 { 0.0 } else { length }
+    }
+
+    /// Offset from the middle of a site, along [`Sweep::axes`], in the middle of such a part, of a ray that starts at
+    /// `start` along the axes across.
+    #[inline(always)]
+    pub(super) fn middle(&self, from: f32, to: f32, start: [f32; 2]) -> [f32; 3] {
+        let half = 0.5 * (from + to);
+        [self.sign * (half - 0.5), start[0] + self.slope[0] * half, start[1] + self.slope[1] * half]
+    }
 }
 
 impl<'s> Sweep<'s> {
@@ -74,7 +111,7 @@ impl<'s> Sweep<'s> {
         Some(Sweep {
             sites,
             axes: [main, across[0], across[1]],
-            way: direction[main].signum(),
+            sign: direction[main].signum(),
             length: 1.0 / magnitude[main],
             slope,
             bounds,
@@ -83,6 +120,11 @@ impl<'s> Sweep<'s> {
             first: [range[0].start, range[1].start],
             counts: [0, 1].map(|i| (range[i].end - range[i].start) as usize),
         })
+    }
+
+    /// How rays cross the sites of a layer.
+    pub(super) fn way(&self) -> Way {
+        Way { sign: self.sign as f32, edge: self.length as f32, slope: self.slope.map(|slope| slope as f32) }
     }
 
     /// Size of the picture: rows, and rays of a row with room for whole [`LANES`] behind the last.
@@ -98,7 +140,7 @@ impl<'s> Sweep<'s> {
         let mut rows = Span::default();
         let mut columns = vec![Span::default(); self.bounds[1][1] + 1];
         for step in 0..=last - first {
-            let layer = if self.way < 0.0 { last - step } else { first + step };
+            let layer = if self.sign < 0.0 { last - step } else { first + step };
             for (at, span) in columns.iter_mut().enumerate().skip(self.bounds[1][0]) {
                 self.span(1, step, at, span);
             }

@@ -4,7 +4,7 @@ use crate::turbid::Turbid;
 
 use super::passing::{LANES, Passings, sum};
 use super::sites::Sites;
-use super::sweep::{SHORTEST, Sweep};
+use super::sweep::Sweep;
 
 /// Uncollided fluence of one sun within each non-empty site.
 #[derive(Debug, Clone, PartialEq)]
@@ -29,38 +29,30 @@ pub fn uncollided(medium: &Turbid, places: &Sites, sites: &[u32], towards_sun: [
     let mut light = vec![1.0_f32; rows * columns];
     let axes = sweep.axes;
     let travel = axes.map(|axis| travel[axis] as f32);
-    let (way, edge, [rise, run]) =
-        (sweep.way as f32, sweep.length as f32, sweep.slope.map(|slope| slope as f32));
+    let way = sweep.way();
     sweep.visit(|place, across, along| {
         let depth = depth[place as usize];
         // Sums over the crossings: length, light, light x offset from the site's centre along `axes`.
         let mut sums = [[0.0_f32; LANES]; 5];
-        for (row, ((&enter, &leave), &start)) in
-            across.enter.iter().zip(&across.leave).zip(&across.start).enumerate()
-        {
-            if leave <= enter {
-                continue;
-            }
-            let first = (across.first + row) * columns + along.first;
-            let rays = light[first..][..along.enter.len()].as_chunks_mut::<LANES>().0.iter_mut();
+        for (row, [enter, leave, start]) in across.rays() {
+            let rays = &mut light[row * columns + along.first..][..along.enter.len()];
+            let rays = rays.as_chunks_mut::<LANES>().0.iter_mut();
             let enters = along.enter.as_chunks::<LANES>().0;
             let (leaves, starts) = (along.leave.as_chunks::<LANES>().0, along.start.as_chunks::<LANES>().0);
             for (((rays, enters), leaves), starts) in rays.zip(enters).zip(leaves).zip(starts) {
                 let mut lengths = [0.0; LANES];
-                let mut middles = [0.0; LANES];
+                let mut offsets = [[0.0; 3]; LANES];
                 for lane in 0..LANES {
                     let from = if enters[lane] > enter { enters[lane] } else { enter };
                     let to = if leaves[lane] < leave { leaves[lane] } else { leave };
-                    let length = (to - from) * edge;
-                    lengths[lane] = if length < SHORTEST as f32 { 0.0 } else { length };
-                    middles[lane] = 0.5 * (from + to);
+                    lengths[lane] = way.length(from, to);
+                    offsets[lane] = way.middle(from, to, [start, starts[lane]]);
                 }
                 let passings = Passings::new(lengths.map(|length| depth * length));
                 for lane in 0..LANES {
-                    let (length, middle) = (lengths[lane], middles[lane]);
+                    let (length, offset) = (lengths[lane], offsets[lane]);
                     let (mean, lean) = (passings.mean[lane], passings.lean[lane] * length);
                     let lit = rays[lane] * length;
-                    let offset = [way * (middle - 0.5), start + rise * middle, starts[lane] + run * middle];
                     sums[0][lane] += length;
                     sums[1][lane] += lit * mean;
                     for i in 0..3 {

@@ -1,14 +1,63 @@
-//! Promises that need every byte of the file: all pages, zero padding, the BLAKE3 root, all content.
-//! SPEC.md section 11, levels pages and decode.
+//! Does a file keep every promise of SPEC.md (section 11)? Four levels, each holding the ones before it; and what each
+//! looks at: the surfaces of materials, all pages, zero padding, the BLAKE3 root, all content.
 
-use super::Container;
 use super::digest::Root;
 use super::records::{HEADER_BYTES, KIND_METADATA, SectionEntry};
+use super::{Container, read_header};
 use crate::Source;
 use crate::error::{FormatError, Place};
 
 /// Bytes read at a time.
 const STEP_BYTES: u64 = 1 << 20;
+
+/// Depth of a validation.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+pub enum Level {
+    /// The header alone.
+    Header,
+    /// Table of contents, page tables, metadata.
+    Tables,
+    /// Every page's digest and frame, the padding, the BLAKE3 root.
+    Pages,
+    /// Every page's content: blocks, values, media.
+    Decode,
+}
+
+impl Level {
+    /// All levels, from the quickest to the deepest, with their names.
+    pub const ALL: [(Level, &'static str); 4] = [
+        (Level::Header, "header"),
+        (Level::Tables, "tables"),
+        (Level::Pages, "pages"),
+        (Level::Decode, "decode"),
+    ];
+
+    /// The level of this name.
+    pub fn from_name(name: &str) -> Option<Level> {
+        Level::ALL.into_iter().find(|(_, n)| *n == name).map(|(level, _)| level)
+    }
+}
+
+/// Checks every promise of a file up to a level.
+///
+/// # Errors
+/// The first broken promise.
+pub fn check(source: &dyn Source, level: Level) -> Result<(), FormatError> {
+    if level == Level::Header {
+        return read_header(source).map(drop);
+    }
+    let container = Container::open(source)?;
+    check_material_surfaces(&container)?;
+    if level >= Level::Pages {
+        check_pages(&container, source)?;
+        check_padding(&container, source)?;
+        check_root(&container, source)?;
+    }
+    if level >= Level::Decode {
+        check_content(&container, source)?;
+    }
+    Ok(())
+}
 
 /// Checks what the metadata say of the surfaces of materials (M60). A reader that does not draw them needs no check, so
 /// that opening does without.

@@ -1,3 +1,5 @@
+use flb_format::Container;
+
 use super::*;
 
 fn golden(name: &str) -> Vec<u8> {

@@ -11,7 +11,7 @@ pub enum NamedSuns {
     Lattice18,
     /// A field for each of 12 directions, corners of an icosahedron, blended by three
     Ico12,
-    /// A field for each of 42 directions, corners of an icosahedron and the middles of its edges, blended by three
+    /// A field for each of 42 directions, blended by three: corners of an icosahedron, and middles of its edges
     Ico42,
     /// 4 harmonics of the sun's direction and the near beam: 9 fields
     Sh1,
