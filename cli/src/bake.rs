@@ -1,6 +1,8 @@
 //! `flb bake`: from mesh files to one published library.
 
 pub(crate) mod checks;
+pub(crate) mod limits;
+pub(crate) mod model;
 pub(crate) mod settings;
 
 use std::path::Path;
@@ -15,7 +17,7 @@ use flb_scene::{ClassedMesh, Step};
 use flb_transport::lattice::find_gpu;
 use serde::Serialize;
 
-use crate::args::{BackendArg, BakeArgs, ModelArg};
+use crate::args::{BackendArg, BakeArgs};
 use crate::cache::Cache;
 use crate::classes::MeshReader;
 use crate::colors::{self, ColorRow};
@@ -25,8 +27,9 @@ use crate::saving::PlanSavings;
 use crate::size::Measured;
 use crate::stages::{Stage, Stages};
 use crate::summary::{SpeciesSummary, misses_its_error, saving_lines, species_table, stage_table};
-use checks::{check_judge, check_names, check_settings, say_other_model};
-use settings::{model_settings, settings_of};
+use checks::{check_judge, check_names, check_settings};
+use model::{follows_colors, say_other_model};
+use settings::settings_of;
 
 /// The summary of a bake; `--json` prints it (cli/schema/bake.json).
 #[derive(Serialize)]
@@ -43,7 +46,7 @@ struct Summary {
 pub(crate) fn run(args: &BakeArgs) -> Result<u8, Failure> {
     check_settings(args)?;
     let coding = &args.coding.settings(args.quality())?;
-    model_settings(args)?;
+    model::settings(args)?;
     let mut reader = MeshReader::new(&args.mesh)?;
     check_judge(args, &reader)?;
     let names = check_names(args, &reader)?;
@@ -147,7 +150,7 @@ fn bake_one(
     let mesh = args.judge.then(|| classed.clone());
     let plant = reader.plants.plant(name.to_owned(), classed);
     let colours = colors::of_plant(&plant);
-    if args.model.model == ModelArg::Physical {
+    if follows_colors(args) {
         colors::say_colors(path, &plant);
     }
     let baked = bake(plant, settings, cache, stages).map_err(|error| Failure::from(error).at(path))?;

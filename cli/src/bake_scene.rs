@@ -11,8 +11,7 @@ use flb_transport::ordinates::OrdinatesSettings;
 use serde::Serialize;
 
 use crate::args::BakeSceneArgs;
-use crate::bake::checks::check_lattice;
-use crate::bake::settings::{check_end, ordinates_of};
+use crate::bake::limits::{check_end, check_lattice, ordinates_of};
 use crate::cache::Cache;
 use crate::exit::{Failure, LOSS, USAGE};
 use crate::forest::scene_species;

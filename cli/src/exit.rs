@@ -183,7 +183,7 @@ impl From<EvalError> for Failure {
     fn from(error: EvalError) -> Failure {
         match error {
             EvalError::NoSurface => Failure::new(VERDICT, error),
-            EvalError::NoSky | EvalError::Paper | EvalError::TotalField => Failure::new(USAGE, error),
+            EvalError::NoSky | EvalError::NoReflectance | EvalError::TotalField => Failure::new(USAGE, error),
             EvalError::Memory { .. } => {
                 let mend = "--memory-limit, or a coarser lattice of --lattices";
                 Failure::new(LIMIT, format!("{error}: {mend}"))

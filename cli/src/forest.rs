@@ -5,7 +5,7 @@ use std::sync::Arc;
 
 use flb_files::check_unread;
 use flb_render::picture::SHEET_GAP;
-use flb_render::{Look, Picture, contact_sheet};
+use flb_render::{Look, Picture, Shading, contact_sheet};
 use flb_runtime::Library;
 use flb_runtime::scene_light::SceneLight;
 use flb_scene::Step;
@@ -86,8 +86,7 @@ pub(crate) fn run(args: &RenderArgs) -> Result<u8, Failure> {
     let plants = scene.species.iter().map(read).collect::<Result<Vec<_>, _>>()?;
     outputs.iter().try_for_each(|output| check_unread(output))?;
     // An uneven sky over files that cannot have one, before more is read.
-    let is_physical = plants.iter().any(ScenePlant::is_physical);
-    sky.over([0.0, 1.0, 0.0], None, is_physical).map_err(|error| at_scene(error.into()))?;
+    sky.over([0.0, 1.0, 0.0], None, ScenePlant::units(&plants)).map_err(|error| at_scene(error.into()))?;
     let plant_bytes = Stage::PLANT_BYTES + if sky.is_even() { 0 } else { Stage::SKY_BYTES };
     check_plants(&args.file, scene.instances.len(), plant_bytes, &args.memory)?;
     let stage = stages.run(Step::Load, "", |_| on_stage(scene, plants, args.scene_light.as_deref()))?;
@@ -214,7 +213,7 @@ pub(crate) fn read_plant(
     let entry = &library.container().species()[index];
     let meta = &entry.meta;
     check(&library, &format!("the bases of species {:?}", meta.name), sampler_bytes(entry), memory)?;
-    if meta.physical().is_some() && indirect_scale.is_some() {
+    if !Shading::of(meta).units().has_indirect_scale() && indirect_scale.is_some() {
         return Err(refuse("--indirect-scale is for paper files only"));
     }
     check_local(file)?;

@@ -6,11 +6,11 @@ use flb_files::check_unread;
 use flb_format::{FieldKind, SpeciesMeta, sun};
 use flb_render::picture::SHEET_GAP;
 use flb_render::{
-    Daylight, Indirect, LightQuery, Lighting, Look, PHYSICAL_EXPOSURE, Picture, Portrait, Shading, Species,
-    Surfaces, contact_sheet, render_plant, render_reference,
+    Daylight, Indirect, LightQuery, Lighting, Look, Picture, Portrait, Shading, Species, contact_sheet,
+    render_plant, render_reference,
 };
 use flb_runtime::{InstanceLight, Library, LightCursors, SkyLight, SpeciesLight, Transform};
-use flb_stage::{PHYSICAL_SKY, StageSky, even_sky, sun_strength};
+use flb_stage::{StageSky, even_sky, sun_strength};
 
 use crate::args::{RenderArgs, RenderBackendArg};
 use crate::exit::{Failure, USAGE};
@@ -209,8 +209,8 @@ fn lit_by(
     sun: Option<[f64; 2]>,
     ambient: Option<f32>,
 ) -> Result<Lighting, Failure> {
-    let is_physical = matches!(settings.shading, Shading::Physical(_));
-    Ok(sky.lighting((sun, settings.sun_strength(sun)), (settings.ambient, ambient), is_physical)?)
+    let units = settings.shading.units();
+    Ok(sky.lighting((sun, settings.sun_strength(sun)), (settings.ambient, ambient), units)?)
 }
 
 /// One picture in a light, which has a name.
@@ -258,35 +258,30 @@ fn under<'l>(
         Some(sky) => lit.with_sky(sky, lighting.sun_color),
         None => lit,
     };
-    match settings.shading {
-        Shading::Paper => Ok(lit),
-        Shading::Physical(_) => Ok(stages.run(Step::Prepare, "", |_| lit.prepared())),
+    match settings.shading.surfaces() {
+        None => Ok(lit),
+        Some(_) => Ok(stages.run(Step::Prepare, "", |_| lit.prepared())),
     }
 }
 
 /// What the flags ask for, of a file of its model. The sun comes later.
 fn settings(args: &RenderArgs, meta: &SpeciesMeta) -> Result<Settings, Failure> {
     let refuse = |message: &str| Err(Failure::new(USAGE, message));
-    let physical = meta.physical();
-    if physical.is_none() && args.path_traced {
+    let shading = Shading::of(meta);
+    let units = shading.units();
+    if shading.surfaces().is_none() && args.path_traced {
         return refuse(
             "--path-traced needs a physical file: a paper file does not say what leaves reflect and transmit",
         );
     }
-    if physical.is_some() && args.indirect_scale.is_some() {
+    if !units.has_indirect_scale() && args.indirect_scale.is_some() {
         return refuse(
             "--indirect-scale is for paper files: a physical one has its light in the sun's units",
         );
     }
-    if physical.is_some_and(|(_, light)| light.field == FieldKind::Total) && !args.path_traced {
+    if meta.physical().is_some_and(|(_, light)| light.field == FieldKind::Total) && !args.path_traced {
         say!("warning: the fields hold the sun's beam, which shadow rays add again: the sun counts twice");
     }
-    let (shading, ambient, exposure) = match physical {
-        Some((surfaces, _)) => {
-            (Shading::Physical(Surfaces::of(surfaces, meta)), PHYSICAL_SKY, PHYSICAL_EXPOSURE)
-        }
-        None => (Shading::Paper, Lighting::default().daylight.sky, 0.0),
-    };
     let ([width, height], view) = (args.size.unwrap_or([512; 2]), args.view.unwrap_or([180.0, 8.0]));
     let look = Look::default();
     Ok(Settings {
@@ -305,7 +300,7 @@ fn settings(args: &RenderArgs, meta: &SpeciesMeta) -> Result<Settings, Failure> 
             indirect_scale: args.indirect_scale.unwrap_or(look.indirect_scale),
             ..look
         },
-        ambient: args.ambient.unwrap_or(ambient),
-        exposure: args.exposure.unwrap_or(exposure),
+        ambient: args.ambient.unwrap_or(units.default_sky()),
+        exposure: args.exposure.unwrap_or(units.default_exposure()),
     })
 }

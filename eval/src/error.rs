@@ -20,11 +20,11 @@ pub enum EvalError {
     /// The file has no light of the sky.
     #[error("found no light of the sky (base 0 was left out), which light is judged by")]
     NoSky,
-    /// The file is of the model `paper`.
+    /// The file does not say what leaves reflect and transmit, as those of the model `paper`.
     #[error(
         "found a paper file, which does not say what leaves reflect and transmit, expected a physical one"
     )]
-    Paper,
+    NoReflectance,
     /// The fields hold the sun's own beam.
     #[error("found fields that hold the sun's beam as well (field total), expected those of scattered light")]
     TotalField,

@@ -26,10 +26,10 @@ pub fn judged_points(
 /// Returns what leaves and wood reflect and transmit in the bands of a species, if its light can be judged on a mesh.
 ///
 /// # Errors
-/// [`EvalError::Paper`]; [`EvalError::TotalField`].
+/// [`EvalError::NoReflectance`]; [`EvalError::TotalField`].
 pub fn judged_surfaces(meta: &SpeciesMeta) -> Result<Surfaces, EvalError> {
     match meta.physical() {
-        None => Err(EvalError::Paper),
+        None => Err(EvalError::NoReflectance),
         Some((_, light)) if light.field == FieldKind::Total => Err(EvalError::TotalField),
         Some((surfaces, _)) => Ok(Surfaces::of(surfaces, meta)),
     }

@@ -2,7 +2,7 @@
 
 use flb_render::picture::SHEET_GAP;
 use flb_render::{
-    Daylight, Indirect, LightQuery, Lighting, Look, Picture, Portrait, RenderError, Shading, Species, png_of,
+    Daylight, Indirect, LightQuery, Lighting, Look, Picture, Portrait, RenderError, Species, png_of,
     render_plant, render_reference,
 };
 use flb_scene::{ClassedMesh, Observer, Step};
@@ -42,7 +42,7 @@ impl MeshJudge<'_> {
         let ClassedMesh { mesh, classes } = classed;
         let is_sky = source == self.suns().len();
         let [width, height] = size;
-        let plant = Species { mesh, classes, shading: Shading::Physical(self.surfaces()) };
+        let plant = Species { mesh, classes, shading: self.surfaces().into() };
         let portrait = Portrait { width, height, samples: SAMPLES, has_ground: false, ..Portrait::default() };
         let towards_sun = if is_sky { [0.0, 1.0, 0.0] } else { self.suns()[source] };
         let [sun, sky] = if is_sky { [0.0, 1.0] } else { [1.0, 0.0] };

@@ -20,6 +20,7 @@ mod recommend;
 mod row;
 mod sample;
 mod settings;
+mod transport;
 mod truth;
 
 use flb_baker::bake::BakeObserver;
@@ -33,7 +34,7 @@ use front::in_steps;
 use measure::{Bench, OfAll, OfLattice};
 use predict::{Predict, affordable};
 
-pub use choice::{Choice, FINEST_STORE, Skipped, Solve, Store, Transport, choices};
+pub use choice::{Choice, FINEST_STORE, Skipped, Solve, Store, choices};
 pub use front::front;
 pub use heap::{Heap, NoHeap};
 pub use memory::available_bytes;
@@ -42,6 +43,7 @@ pub use recommend::Recommended;
 pub use row::Row;
 pub use sample::MeanFluence;
 pub use settings::TradeSettings;
+pub use transport::{Marched, Transport};
 pub use truth::TruthError;
 
 /// Rows of all choices, and what is recommended.

@@ -1,7 +1,7 @@
 //! Which bands are the colours of a picture: by their names, whatever their order and whatever bands are beside them.
 
+use crate::SpeciesMeta;
 use crate::material_surface::{self, MATERIALS};
-use crate::{Model, SpeciesMeta};
 
 /// Names of the bands of red, green and blue light (SPEC.md, section 9.3).
 pub const COLORS: [&str; 3] = ["R", "G", "B"];
@@ -114,14 +114,7 @@ impl SpeciesMeta {
     #[must_use]
     pub fn with_bands(&self, bands: &[usize]) -> SpeciesMeta {
         let mut meta = self.clone();
-        match &mut meta.model {
-            Model::Paper { optics } => {
-                optics.bands = bands.iter().map(|&b| optics.bands[b].clone()).collect()
-            }
-            Model::Physical { surfaces, .. } => {
-                surfaces.bands = bands.iter().map(|&band| surfaces.bands[band].clone()).collect();
-            }
-        }
+        meta.model.keep_bands(bands);
         // What cannot be read stays, for those who say so.
         if let Ok(Some(surfaces)) = self.material_surfaces() {
             let of_bands: Vec<_> = surfaces

@@ -1,4 +1,4 @@
-//! Which model made the light of a species, and with what: the papers' optics, or surfaces and how the light is stored.
+//! How the light of a `physical` species was made and is stored: what its fields hold, and how they depend on the sun.
 
 pub(crate) mod json;
 
@@ -12,76 +12,6 @@ use crate::direction::{DIRECTIONS, MOVING};
 use crate::sun::directions::SunDirections;
 use crate::sun::{self, SunBlend, harmonics};
 use crate::turbid::LeafAngles;
-use crate::{BaseSet, Optics, Surfaces};
-
-/// The light transport model of a species, with what belongs to it alone.
-#[derive(Debug, Clone, PartialEq)]
-#[allow(
-    clippy::large_enum_variant,
-    reason = "one per species: boxing the angles would save nothing worth it"
-)]
-pub enum Model {
-    /// The papers', with what they leave open settled (lighting model, sections 1 to 6 and 11).
-    Paper {
-        /// Optical parameters per band; their order is the bands' order.
-        optics: Optics,
-    },
-    /// Extinction in m^-1, surfaces from data (lighting model, section 9).
-    Physical {
-        /// Leaf and wood per band; their order is the bands' order.
-        surfaces: Surfaces,
-        /// Method and storage of the light.
-        light: Light,
-    },
-}
-
-impl Model {
-    /// "paper" or "physical", as in files.
-    pub fn name(&self) -> &'static str {
-        match self {
-            Model::Paper { .. } => "paper",
-            Model::Physical { .. } => "physical",
-        }
-    }
-
-    /// Number of bands.
-    pub fn band_count(&self) -> usize {
-        match self {
-            Model::Paper { optics } => optics.bands.len(),
-            Model::Physical { surfaces, .. } => surfaces.bands.len(),
-        }
-    }
-
-    /// Name of a band.
-    ///
-    /// # Panics
-    /// If there is no such band.
-    pub fn band(&self, band: usize) -> &str {
-        match self {
-            Model::Paper { optics } => &optics.bands[band].name,
-            Model::Physical { surfaces, .. } => &surfaces.bands[band].name,
-        }
-    }
-
-    /// Number of base items that a species of this model can have, from 0 on.
-    pub fn items(&self) -> u16 {
-        match self {
-            Model::Paper { .. } => BaseSet::COUNT as u16,
-            Model::Physical { light, .. } => light.suns.items(),
-        }
-    }
-
-    /// Whether a file has every item (M12, M38): of harmonics each sun takes a share of all, and lists of directions
-    /// are kept whole.
-    pub fn needs_all_items(&self) -> bool {
-        matches!(self, Model::Physical { light, .. } if !matches!(light.suns, SunBasis::Lattice18))
-    }
-
-    /// Light of a base in empty space, by which thresholds are scaled (SPEC.md, M28).
-    pub fn empty_value(&self, base: u8) -> f32 {
-        if base == 0 && matches!(self, Model::Paper { .. }) { 18.0 } else { 1.0 }
-    }
-}
 
 /// Method and storage of the light of a `physical` species.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]

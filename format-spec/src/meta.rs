@@ -6,8 +6,7 @@ use std::collections::BTreeMap;
 
 use serde::{Deserialize, Serialize};
 
-use crate::light::{Light, Model};
-use crate::{BaseSet, Grid, MeanLight, Optics, Surfaces};
+use crate::{BaseSet, Grid, Light, MeanLight, Model, Optics, Surfaces};
 
 /// Largest size of a text for people, in bytes, UTF-8: the reason why something was left out, the name of the tool.
 pub const MAX_REASON_BYTES: usize = 1000;
@@ -78,10 +77,7 @@ impl SpeciesMeta {
 
     /// The papers' optics; `None` for another model.
     pub fn optics(&self) -> Option<&Optics> {
-        match &self.model {
-            Model::Paper { optics } => Some(optics),
-            Model::Physical { .. } => None,
-        }
+        self.model.optics()
     }
 
     /// Distance off solids at which light is sampled, metres ([`Light::solid_offset`]).
@@ -92,10 +88,7 @@ impl SpeciesMeta {
 
     /// Surfaces and light of a `physical` species; `None` for another model.
     pub fn physical(&self) -> Option<(&Surfaces, &Light)> {
-        match &self.model {
-            Model::Paper { .. } => None,
-            Model::Physical { surfaces, light } => Some((surfaces, light)),
-        }
+        self.model.physical()
     }
 }
 

@@ -8,7 +8,7 @@ use std::collections::{BTreeMap, BTreeSet};
 
 use flb_format::container::records::Codec;
 use flb_format::container::{Container, Species};
-use flb_format::{Class, Field, Medium, Place, Source, Turbid, room};
+use flb_format::{Class, Field, Medium, Model, Place, Source, Turbid, room};
 use serde::Serialize;
 use serde_json::Value;
 
@@ -17,8 +17,6 @@ use crate::diff::values::{ValueDiff, compare_values};
 
 pub mod values;
 
-/// Model whose light depends on the lattice that it was baked at (lighting model, section 2).
-const LATTICE_BOUND_MODEL: &str = "paper";
 /// Metadata that tell how a species was made, or sum up what its bases say.
 const HISTORY: [&str; 5] = ["mean_light", "mesh_blake3", "settings", "sources", "tool"];
 
@@ -188,7 +186,7 @@ fn diff_species(
     let lattices = [a_species, b_species].map(|s| s.meta.grid.lattice);
     let bands = [a_species, b_species].map(|s| s.meta.band_count());
     if lattices[0] != lattices[1] {
-        diff.notes.push(lattice_note(lattices, [a_species, b_species].map(|s| s.meta.model.name())));
+        diff.notes.push(lattice_note(lattices, [a_species, b_species].map(|s| &s.meta.model)));
     } else {
         let (a_medium, b_medium) = (a.read_medium(a_source, i)?, b.read_medium(b_source, j)?);
         let classes_bytes = 2 * a_medium.class.len() * size_of::<f32>();
@@ -248,11 +246,13 @@ fn blank(field: &mut Field, sites: &[usize]) {
 }
 
 /// Why two lattices cannot be compared.
-fn lattice_note([a, b]: [u32; 2], models: [&str; 2]) -> String {
+fn lattice_note([a, b]: [u32; 2], models: [&Model; 2]) -> String {
     let mut note = format!("lattices of {a} and {b} sites: media and bases cannot be compared");
-    if models.contains(&LATTICE_BOUND_MODEL) {
-        note += "; under the model \"paper\" they are different physics too, as its optical depth grows \
-                 with the lattice";
+    if let Some(bound) = models.into_iter().find(|model| model.is_bound_to_lattice()) {
+        let name = bound.name();
+        note += &format!(
+            "; under the model {name:?} they are different physics too, as its optical depth grows with the lattice"
+        );
     }
     note
 }

@@ -79,7 +79,7 @@ impl<'a> Layout<'a> {
         let is_f16 = |s: &EncodedSection| s.kind == KIND_BASE && s.codec == CODEC_RAW_F16;
         let raw_f16 = sections.iter().any(|(_, section)| is_f16(section));
         let blocks = sections.iter().any(|(key, _)| key.kind == KIND_BLOCKS);
-        let physical = species.iter().any(|species| species.meta.physical().is_some());
+        let physical = species.iter().any(|species| species.meta.model.has_extinction());
         let mut stored: HashMap<(u32, u32, &[u8]), u64> = HashMap::new();
         for (key, section) in &sections {
             let start = aligned(data_at, SECTION_ALIGN);

@@ -303,12 +303,11 @@ impl GpuForest {
             .as_ref()
             .and_then(Neighbours::stage)
             .unwrap_or((&self.stages.light, &self.lights.1));
-        let is_physical = self.around.is_physical;
         let words = self.soil.daylight_words(
             (lighting.daylight.sky, look),
             scenery,
             camera_m,
-            is_physical,
+            self.around.units,
             self.show,
             cells,
         );

@@ -1,9 +1,9 @@
 //! The light of a forest's species on the GPU: files to bases in a `GpuLight`, and a sun to the terms of every
 //! instance.
 
-use flb_format::Placement;
 use flb_format::container::Species;
 use flb_format::container::records::Codec;
+use flb_format::{Placement, SpeciesMeta};
 use flb_gpu::Gpu;
 use flb_runtime::gpu::{GpuError, GpuLight, GpuSpecies, LightSettings, MAX_TERMS, Term};
 use flb_runtime::{Library, RuntimeError};
@@ -30,10 +30,8 @@ impl LightSource<'_> {
     fn most_terms(&self) -> u32 {
         let LightSource::Library { library, species } = self else { return 0 };
         let meta = library.container().species().get(*species).map(|entry| &entry.meta);
-        match meta.and_then(|meta| meta.physical()) {
-            Some((_, light)) if light.suns.first_near_item().is_some() => MAX_TERMS,
-            _ => BLEND_TERMS,
-        }
+        let is_of_harmonics = |meta: &SpeciesMeta| meta.model.suns().first_near_item().is_some();
+        if meta.is_some_and(is_of_harmonics) { MAX_TERMS } else { BLEND_TERMS }
     }
 }
 
@@ -43,7 +41,7 @@ const BLEND_TERMS: u32 = 4;
 pub(crate) const TABLES_BYTES: u64 = 1 << 18;
 /// Budgets for light that are tried: from what five species take to what WebGPU can bind.
 const BUDGETS: [u64; 3] = [32 << 20, 64 << 20, (128 << 20) - TABLES_BYTES];
-/// Of the `paper` model light is not bounded.
+/// Least of light that is not bounded.
 pub(crate) const ANY: f32 = f32::MIN;
 
 /// The light of all species of a forest.

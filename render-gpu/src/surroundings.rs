@@ -2,7 +2,7 @@
 
 use flb_render::forest::export::SKY;
 use flb_render::forest::{Forest, Land, Scenery, Water};
-use flb_render::{Indirect, Look};
+use flb_render::{Indirect, Look, Units};
 
 use crate::layout::Words;
 use crate::show::Show;
@@ -95,18 +95,14 @@ impl GroundAndWater {
         (ambient, look): (f32, &Look),
         scenery: &Scenery,
         camera_m: [f64; 3],
-        is_physical: bool,
+        units: Units,
         show: Show,
         cells: u32,
     ) -> Vec<u32> {
         let is_sky_drawn = look.has_sky && look.indirect != Indirect::Only;
         let sky = SKY.map(|color| color.map(|v| if is_sky_drawn { v * scenery.sky_strength } else { 0.0 }));
         let direct = if look.indirect == Indirect::Only { 0.0 } else { 1.0 };
-        let indirect = match (look.indirect, is_physical) {
-            (Indirect::Off, _) => 0.0,
-            (_, true) => 1.0,
-            (_, false) => look.indirect_scale,
-        };
+        let indirect = if look.indirect == Indirect::Off { 0.0 } else { units.indirect_scale(look) };
         let center = std::array::from_fn::<_, 3, _>(|axis| scenery.center_m[axis] - camera_m[axis]);
         let mut words = Words::default();
         words
@@ -122,7 +118,7 @@ impl GroundAndWater {
             .rounded([scenery.haze_m])
             .float(direct)
             .float(indirect)
-            .whole(u32::from(is_physical))
+            .whole(units as u32)
             .whole(show as u32)
             .float(ambient)
             .whole(cells)

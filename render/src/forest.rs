@@ -49,7 +49,7 @@ pub use water::Water;
 
 pub use flb_scene::rays::TriangleHit;
 
-use crate::{RenderError, Shading, scene::Scene, surfaces::Finish};
+use crate::{RenderError, Shading, Units, scene::Scene, surfaces::Finish};
 use ground::GroundSurface;
 use instance_tree::InstanceTree;
 use model::Model;
@@ -111,8 +111,8 @@ pub struct Forest<'a> {
     soil: Option<GroundSurface>,
     water: Option<Water>,
     search: Search,
-    /// Whether the shading is the `physical` one.
-    is_physical: bool,
+    /// Units that the shadings of all species have.
+    units: Units,
 }
 
 /// A rotation's rows may be this far from orthonormal.
@@ -133,8 +133,9 @@ impl<'a> Forest<'a> {
         ground: Option<Ground>,
         search: Search,
     ) -> Result<Forest<'a>, RenderError> {
-        let is_physical = |species: &Species| matches!(species.shading, Shading::Physical(_));
-        if let Some(other) = species.iter().position(|one| is_physical(one) != is_physical(&species[0])) {
+        let units = Units::of(species.iter().map(|one| one.shading));
+        if let Some(other) = species.iter().position(|one| one.shading.units() != species[0].shading.units())
+        {
             return Err(RenderError::Shadings { species: other });
         }
         if let Some(ground) = &ground {
@@ -152,7 +153,7 @@ impl<'a> Forest<'a> {
             soil: ground.map(GroundSurface::new),
             water: None,
             search,
-            is_physical: species.first().is_some_and(is_physical),
+            units,
         })
     }
 
@@ -165,7 +166,7 @@ impl<'a> Forest<'a> {
         Ok(Forest { soil: Some(GroundSurface::new(ground)), ..self })
     }
 
-    /// The mesh of its first species, and what that does with light in the `physical` shading.
+    /// The mesh of its first species, and what that does with light, where it is known.
     pub(crate) fn first_model(&self) -> (&Scene<'a>, Option<&Finish>) {
         (&self.models[0].scene, self.models[0].finish.as_ref())
     }

@@ -36,6 +36,7 @@ mod portrait;
 pub mod reference;
 mod scene;
 pub mod settings;
+pub mod shading;
 mod skylight;
 mod sun;
 pub mod surfaces;
@@ -51,7 +52,8 @@ pub use lighting::{Indirect, Lighting, Look};
 pub use picture::{PHYSICAL_EXPOSURE, Picture, contact_sheet, png_of};
 pub use portrait::{Portrait, render_plant};
 pub use reference::{Reference, render_reference};
-pub use surfaces::{Shading, Surfaces};
+pub use shading::{PHYSICAL_SKY, Shading, Units};
+pub use surfaces::Surfaces;
 
 /// Where in its pixel a sample lies, 0..1 in x and y. A lone sample lies in the middle.
 fn jitter(x: u32, y: u32, sample: u32, samples: u32) -> [f32; 2] {

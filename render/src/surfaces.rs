@@ -10,15 +10,6 @@ use crate::{
     scene::{Hit, Scene},
 };
 
-/// Shading model of a picture (lighting-model, section 10).
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub enum Shading {
-    /// Texture colour x light, as in the papers; white in full sun = 1.
-    Paper,
-    /// Measured surfaces in radiometric units: radiance, with the sun's irradiance as the unit.
-    Physical(Surfaces),
-}
-
 /// Reflectance and transmittance of the mean leaf and the mean wood, R, G, B, each 0..=1. Textures tell where a
 /// surface is brighter or darker: both shares go with a texel's colour over the material's mean colour on the mesh,
 /// and never to more than 1 together. A material with a surface of its own ([`flb_scene::mesh::Material::surface`])

@@ -82,8 +82,10 @@ pub struct ResidentSpecies {
     bands: usize,
     suns: SunBasis,
     mean: Mean,
-    /// Of the model `physical`, whose light is never below 0.
-    is_physical: bool,
+    /// Its medium has an extinction.
+    has_extinction: bool,
+    /// Its light is never below 0.
+    is_bounded: bool,
     /// `[base]`: item.
     items: Vec<u8>,
     shared: Option<Arc<Shared>>,
@@ -209,9 +211,10 @@ impl ResidentSpecies {
         ResidentSpecies {
             grid: meta.grid,
             bands: meta.band_count(),
-            suns: meta.physical().map_or(SunBasis::Lattice18, |(_, light)| light.suns.clone()),
+            suns: meta.model.suns().clone(),
             mean: Mean::of(meta),
-            is_physical: meta.physical().is_some(),
+            has_extinction: meta.model.has_extinction(),
+            is_bounded: meta.model.is_bounded(),
             shared: None,
             extinction: None,
             sites: OnceLock::new(),
@@ -243,7 +246,7 @@ impl ResidentSpecies {
         items.sort_unstable();
         items.dedup();
         let mut loaded = ResidentSpecies::empty(entry, items);
-        if loaded.is_physical {
+        if loaded.has_extinction {
             let turbid = container.read_turbid(library.source(), species).map_err(at_library)?;
             let sites = MediumSites::new(turbid).map_err(at_library)?;
             if loaded.suns.first_near_item().is_some() {
@@ -306,9 +309,9 @@ impl ResidentSpecies {
         &self.suns
     }
 
-    /// Whether it is of the model `physical`.
-    pub(crate) fn is_physical(&self) -> bool {
-        self.is_physical
+    /// Whether its medium has an extinction, whether that is loaded or not.
+    pub(crate) fn has_extinction(&self) -> bool {
+        self.has_extinction
     }
 
     /// Mean light of a sky of 1 in a band.
@@ -466,9 +469,9 @@ impl ResidentSpecies {
         }
     }
 
-    /// Takes off what light of the model `physical` is below 0.
+    /// Takes off what is below 0 of light that never is.
     pub(crate) fn bound(&self, out: &mut [f32]) {
-        if self.is_physical {
+        if self.is_bounded {
             out.iter_mut().for_each(|value| *value = value.max(0.0));
         }
     }

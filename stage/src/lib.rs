@@ -60,7 +60,7 @@ pub use backend::{Backend, GpuCount};
 pub use error::StageError;
 pub use frames::{FramePath, FrameSettings, SceneFrame, frames};
 pub use light::even_sky;
-pub use look::{LookSettings, PHYSICAL_SKY, SceneLook, sun_strength};
+pub use look::{LookSettings, SceneLook, sun_strength};
 pub use mesh_of_light::MeshOfLight;
 pub use open::OpenSettings;
 pub use plant::{PlantLight, ScenePlant};

@@ -1,12 +1,10 @@
 //! What is the same in all frames of a scene, and the light of each.
 
 use flb_render::forest::View;
-use flb_render::{Lighting, Look, PHYSICAL_EXPOSURE};
+use flb_render::{Lighting, Look, Units};
 
 use crate::{SceneFrame, Stage, StageError, StageSky};
 
-/// Fluence of the sky by default in the `physical` shading, the sun's being 1: a clear day's diffuse light.
-pub const PHYSICAL_SKY: f32 = 0.36;
 /// Rays that look for the sky from each point of the ground that the camera sees.
 pub(crate) const SKY_RAYS: u32 = 4;
 
@@ -39,7 +37,7 @@ pub struct SceneLook {
     pub sky: StageSky,
     /// Whether the sun goes down behind a ground, or water.
     has_ground: bool,
-    is_physical: bool,
+    units: Units,
     /// The caller's, else the scene's.
     asked_ambient: Option<f32>,
 }
@@ -54,8 +52,8 @@ impl SceneLook {
         let height = scene.camera.as_ref().map_or(512, |camera| camera.height_px);
         let wide = [(u64::from(height) * 16 / 9).clamp(1, u64::from(u32::MAX)) as u32, height];
         let asked_ambient = settings.ambient.or(scene.ambient.map(|ambient| ambient as f32));
-        let is_physical = stage.is_physical();
-        sky.over([0.0, 1.0, 0.0], None, is_physical)?;
+        let units = stage.units();
+        sky.over([0.0, 1.0, 0.0], None, units)?;
         Ok(SceneLook {
             size: settings.size.unwrap_or(wide),
             samples: settings.samples,
@@ -63,7 +61,7 @@ impl SceneLook {
             look: settings.look,
             sky,
             has_ground: stage.has_ground(),
-            is_physical,
+            units,
             asked_ambient,
         })
     }
@@ -86,7 +84,7 @@ impl SceneLook {
     /// [`StageError::Sky`].
     pub fn lighting(&self, sun_deg: Option<[f64; 2]>) -> Result<Lighting, StageError> {
         let (sun, sky) = ((sun_deg, self.strength(sun_deg)), (self.ambient, self.asked_ambient));
-        self.sky.lighting(sun, sky, self.is_physical)
+        self.sky.lighting(sun, sky, self.units)
     }
 }
 
@@ -101,11 +99,11 @@ pub fn sun_strength(sun_deg: Option<[f64; 2]>, has_ground: bool) -> f32 {
 impl Stage {
     /// Light of the sky by default.
     pub fn default_ambient(&self) -> f32 {
-        if self.is_physical() { PHYSICAL_SKY } else { Lighting::default().daylight.sky }
+        self.units().default_sky()
     }
 
     /// Stops of exposure by default.
     pub fn default_exposure(&self) -> f32 {
-        if self.is_physical() { PHYSICAL_EXPOSURE } else { 0.0 }
+        self.units().default_exposure()
     }
 }

@@ -4,7 +4,7 @@ use std::path::Path;
 use std::sync::Arc;
 
 use flb_format::FieldKind;
-use flb_render::{Shading, Surfaces};
+use flb_render::Shading;
 use flb_runtime::Library;
 use flb_runtime::scene_light::SceneLight;
 use flb_scene::import::{ImportError, import};
@@ -79,24 +79,18 @@ impl ScenePlant {
         let meta = &light.library.container().species()[light.species].meta;
         let MeshOfLight { mesh, matched } =
             MeshOfLight::read(mesh, meta, gltf_mesh, mesh_may_differ, observer)?;
-        let shading = match meta.physical() {
-            None => Shading::Paper,
-            Some((surfaces, fields)) => {
-                if fields.field == FieldKind::Total {
-                    observer.note(&format!(
-                        "warning: {}: the fields hold the sun's beam, which shadow rays add again: the sun counts twice",
-                        meta.name
-                    ));
-                }
-                Shading::Physical(Surfaces::of(surfaces, meta))
-            }
-        };
-        Ok(ScenePlant { mesh, shading, matched: Some(matched), light: Some(light) })
+        if meta.physical().is_some_and(|(_, fields)| fields.field == FieldKind::Total) {
+            observer.note(&format!(
+                "warning: {}: the fields hold the sun's beam, which shadow rays add again: the sun counts twice",
+                meta.name
+            ));
+        }
+        Ok(ScenePlant { mesh, shading: Shading::of(meta), matched: Some(matched), light: Some(light) })
     }
 
     /// A plant that no light is baked for: the sun and the sky alone light it.
     pub fn unlit(mesh: ClassedMesh) -> ScenePlant {
-        ScenePlant { mesh, shading: Shading::Paper, light: None, matched: None }
+        ScenePlant { mesh, shading: Shading::UNLIT, light: None, matched: None }
     }
 }
 

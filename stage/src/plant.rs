@@ -3,7 +3,7 @@
 use std::sync::Arc;
 
 use flb_format::MeshMatch;
-use flb_render::{Shading, Species};
+use flb_render::{Shading, Species, Units};
 use flb_runtime::Library;
 use flb_scene::ClassedMesh;
 
@@ -20,7 +20,7 @@ pub struct PlantLight {
 pub struct ScenePlant {
     /// Mesh as it was baked.
     pub mesh: ClassedMesh,
-    /// Shading by the model of the light; [`Shading::Paper`] without any.
+    /// Shading by the light; [`Shading::UNLIT`] without any.
     pub shading: Shading,
     /// Light of the plant; `None` where no light is baked for it.
     pub light: Option<PlantLight>,
@@ -47,14 +47,14 @@ pub(crate) fn share(plants: &mut [ScenePlant]) {
 }
 
 impl ScenePlant {
+    /// Units of a picture of plants.
+    pub fn units(plants: &[ScenePlant]) -> Units {
+        Units::of(plants.iter().map(|plant| plant.shading))
+    }
+
     /// Returns the plant as a renderer takes it.
     pub fn as_species(&self) -> Species<'_> {
         Species { mesh: &self.mesh.mesh, classes: &self.mesh.classes, shading: self.shading }
-    }
-
-    /// Whether the plant's light is of the model `physical`.
-    pub fn is_physical(&self) -> bool {
-        matches!(self.shading, Shading::Physical(_))
     }
 
     /// Library of the plant's light, and the index of the species there.
@@ -66,8 +66,7 @@ impl ScenePlant {
     /// alone.
     pub(crate) fn is_of_harmonics(&self) -> bool {
         let Some((library, index)) = self.library() else { return false };
-        let light = library.container().species()[index].meta.physical().map(|(_, light)| light);
-        light.is_some_and(|light| light.suns.first_near_item().is_some())
+        library.container().species()[index].meta.model.suns().first_near_item().is_some()
     }
 
     /// The name of the model of its light.

@@ -4,10 +4,10 @@ use std::path::Path;
 use std::sync::Arc;
 
 use flb_format::sun::towards_sun;
-use flb_render::{Daylight, Lighting};
+use flb_render::{Daylight, Lighting, PHYSICAL_SKY, Units};
 use flb_scene::sky::{Sky, SkyError, SkyImage};
 
-use crate::{PHYSICAL_SKY, StageError};
+use crate::StageError;
 
 /// The sky over a scene.
 #[derive(Debug, Clone)]
@@ -60,14 +60,14 @@ impl StageSky {
         &self,
         (sun_deg, sun): (Option<[f64; 2]>, f32),
         (ambient, asked): (f32, Option<f32>),
-        is_physical: bool,
+        units: Units,
     ) -> Result<Lighting, StageError> {
         let towards_sun = match sun_deg {
             Some([azimuth, elevation]) => towards_sun(azimuth, elevation),
             None => Lighting::default().daylight.towards_sun,
         };
         let light = Lighting::of(Daylight { towards_sun, sun, sky: ambient });
-        Ok(match self.over(towards_sun, asked, is_physical)? {
+        Ok(match self.over(towards_sun, asked, units)? {
             Some((dome, sun_color)) => Lighting { dome: Some(dome), sun_color, ..light },
             None => light,
         })
@@ -77,14 +77,14 @@ impl StageSky {
     /// and the fluence of an image.
     ///
     /// # Errors
-    /// [`StageError::UnevenSkyOverPaper`] unless `is_physical`; [`StageError::Sky`].
+    /// [`StageError::UnevenSkyOverPaper`] for units without an uneven sky; [`StageError::Sky`].
     pub fn over(
         &self,
         towards_sun: [f64; 3],
         ambient: Option<f32>,
-        is_physical: bool,
+        units: Units,
     ) -> Result<Option<(Sky, [f32; 3])>, StageError> {
-        if !self.is_even() && !is_physical {
+        if !self.is_even() && !units.has_uneven_sky() {
             return Err(StageError::UnevenSkyOverPaper);
         }
         Ok(match self {

@@ -1,7 +1,7 @@
 //! A scene with its meshes and its light.
 
-use flb_render::RenderError;
 use flb_render::forest::{Forest, Ground, Land, Search, Water};
+use flb_render::{RenderError, Units};
 use flb_runtime::scene_light::SceneLight;
 use flb_scene::scene::{Ground as SceneGround, Scene, Terrain, Water as SceneWater};
 
@@ -46,9 +46,9 @@ impl Stage {
         Ok(Stage { scene_light: Some(light), ..self })
     }
 
-    /// Whether the plants' light is of the model `physical`.
-    pub fn is_physical(&self) -> bool {
-        self.plants.iter().any(ScenePlant::is_physical)
+    /// Units of its pictures.
+    pub fn units(&self) -> Units {
+        ScenePlant::units(&self.plants)
     }
 
     /// Names of species that a [`Painter`](crate::stream::Painter) shows under an even sky whatever the sky is: their

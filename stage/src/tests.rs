@@ -2,7 +2,7 @@ use std::sync::{Arc, Mutex};
 
 use flb_fixtures::{PlantKind, grow};
 use flb_format::{Codec, Eye, SunBasis};
-use flb_render::{Look, Picture};
+use flb_render::{Look, Picture, Units};
 use flb_scene::scene::{Camera, Ground, Scene, SceneSky, SceneSpecies, Suns, Terrain};
 use flb_scene::{ClassedMesh, Observer, Unobserved};
 use flb_testkit::{plants, scenes};
@@ -126,7 +126,7 @@ fn a_scene_without_what_frames_need_is_refused_by_what_it_lacks() {
         error.to_string().contains("0 plants, expected one for each of the scene's 2 species"),
         "{error}"
     );
-    let paper = StageSky::clear(3.0).expect("a sky").over([0.0, 1.0, 0.0], None, false);
+    let paper = StageSky::clear(3.0).expect("a sky").over([0.0, 1.0, 0.0], None, Units::White);
     assert!(matches!(paper, Err(StageError::UnevenSkyOverPaper)));
 }
 

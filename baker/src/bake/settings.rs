@@ -79,6 +79,20 @@ pub enum ModelSettings {
     Paper(PaperSettings),
 }
 
+impl ModelSettings {
+    /// Settings of a quality, of the default model.
+    pub fn of(quality: Quality) -> ModelSettings {
+        ModelSettings::Physical(PhysicalSettings::of(quality))
+    }
+
+    /// Has a bake return what it solved as well, where the model can: [`Baked::cloud`](super::Baked::cloud).
+    pub fn keep_cloud(&mut self) {
+        if let ModelSettings::Physical(physical) = self {
+            physical.keep_cloud = true;
+        }
+    }
+}
+
 /// Settings of the solve of the `physical` model.
 #[derive(Debug, Clone, PartialEq)]
 pub struct PhysicalSettings {
@@ -129,7 +143,7 @@ impl BakeSettings {
             voxels: 1024,
             ignore_alpha: false,
             wanted: Wanted::default(),
-            model: ModelSettings::Physical(PhysicalSettings::of(quality)),
+            model: ModelSettings::of(quality),
         }
     }
 }

@@ -8,7 +8,7 @@ use flb_transport::ordinates::NamedSuns;
 #[derive(Args, Clone)]
 pub(crate) struct ModelArgs {
     /// Light transport model
-    #[arg(long, value_enum, default_value_t = ModelArg::Physical)]
+    #[arg(long, value_enum, default_value_t)]
     pub model: ModelArg,
     /// How the stored light depends on the sun; `physical` only [default: the preset's]
     #[arg(long, value_enum)]
@@ -36,8 +36,9 @@ pub(crate) struct ModelArgs {
     pub monte_carlo: u8,
 }
 
-#[derive(Clone, Copy, PartialEq, Eq, ValueEnum)]
+#[derive(Clone, Copy, PartialEq, Eq, Default, ValueEnum)]
 pub(crate) enum ModelArg {
+    #[default]
     /// Extinction measured on the mesh, surfaces from data, directions marched through the plant
     Physical,
     /// The lattice-Boltzmann model of Steele and Geist (2009), with the points that it leaves open settled as

@@ -5,11 +5,12 @@ use std::path::{Path, PathBuf};
 use flb_format::colors::color_bands;
 use flb_scene::plant::file_name;
 
-use crate::args::{BackendArg, BakeArgs, FieldArg, ModelArg, SolverArg};
+use super::limits::check_lattice;
+use super::model::without_scattered_light;
+use crate::args::{BackendArg, BakeArgs, SolverArg};
 use crate::classes::MeshReader;
 use crate::exit::{Failure, USAGE};
 use crate::inputs::{check_local, check_output};
-use crate::print::say;
 
 /// The names of the species; refuses two meshes that would make species of one name.
 pub(crate) fn check_names(args: &BakeArgs, reader: &MeshReader) -> Result<Vec<String>, Failure> {
@@ -29,17 +30,6 @@ pub(crate) fn check_names(args: &BakeArgs, reader: &MeshReader) -> Result<Vec<St
         names.push(name);
     }
     Ok(names)
-}
-
-/// Refuses a lattice that no format has.
-pub(crate) fn check_lattice(lattice: u32) -> Result<(), Failure> {
-    match lattice.is_power_of_two() && (16..=256).contains(&lattice) {
-        true => Ok(()),
-        false => {
-            let message = format!("--lattice is {lattice}, expected a power of two, 16 to 256");
-            Err(Failure::new(USAGE, message))
-        }
-    }
 }
 
 /// Refuses what cannot work before anything is read.
@@ -77,33 +67,16 @@ pub(crate) fn check_judge(args: &BakeArgs, reader: &MeshReader) -> Result<(), Fa
     };
     let surfaces = reader.plants.surfaces();
     let bands: Vec<&str> = surfaces.bands.iter().map(|band| band.name.as_str()).collect();
+    let without = without_scattered_light(args);
     match () {
         () if !args.judge => Ok(()),
-        () if args.model.model == ModelArg::Paper => refuse("--model paper"),
-        () if args.model.field == Some(FieldArg::Total) => refuse("--field total"),
+        () if without.is_some() => refuse(without.unwrap_or_default()),
         () if color_bands(bands.iter().copied()).is_none() => {
             refuse(&format!("the bands {}", bands.join(", ")))
         }
         () if args.plan.is_some() => refuse("--plan, which leaves out light"),
         () => Ok(()),
     }
-}
-
-/// Says where the species file describes leaves for the other model only.
-pub(crate) fn say_other_model(args: &BakeArgs, reader: &MeshReader) {
-    let Some((species, path)) = reader.plants.species.as_ref().zip(args.mesh.species.as_deref()) else {
-        return;
-    };
-    let found = match args.model.model {
-        ModelArg::Physical if species.surfaces.is_none() && species.optics.is_some() => {
-            "its [[optics]] are for --model paper, and it has no [[surfaces]]: baking with those of common leaves and bark"
-        }
-        ModelArg::Paper if species.optics.is_none() && species.surfaces.is_some() => {
-            "its surfaces are for --model physical, and it has no [[optics]]: baking with the papers'"
-        }
-        _ => return,
-    };
-    say!("warning: {}: {found}", path.display());
 }
 
 /// Names that meshes of one file name may have: their folders', else numbered ones. Words that need no quotes.

@@ -91,7 +91,7 @@ const COLORS: [(&str, &str); 10] = [
 ];
 
 fn color(row: &Row) -> (&'static str, &'static str) {
-    let name = row.suns.as_deref().unwrap_or("paper");
+    let name = row.suns.as_deref().unwrap_or(row.model);
     COLORS.into_iter().find(|(of, _)| *of == name).unwrap_or(("other", "#999999"))
 }
 

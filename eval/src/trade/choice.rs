@@ -5,36 +5,13 @@
 
 use std::fmt;
 
-use flb_baker::bake::{BakeSettings, ModelSettings, PaperSettings, PhysicalSettings};
+use flb_baker::bake::BakeSettings;
 use flb_format::{Codec, FieldKind, Quality};
 use flb_packer::rate::Target;
 use flb_packer::{CodingPreset, EncodeSettings};
-use flb_transport::ordinates::{NamedSuns, Ordinates, rays_for};
+use flb_transport::ordinates::{NamedSuns, Ordinates};
 
-/// Model of light transport with its settings.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub enum Transport {
-    /// The model `paper`.
-    Paper {
-        /// Change of light at which sweeps end.
-        tolerance: f64,
-    },
-    /// The model `physical`.
-    Physical {
-        /// Dependence of the fields on the sun.
-        suns: NamedSuns,
-        /// Directions that light is marched along.
-        ordinates: Ordinates,
-        /// Rays per site edge.
-        rays: u32,
-        /// Parts of a site along each edge: 1, or 2 where sites are cut.
-        parts: u32,
-        /// Light that a field holds.
-        field: FieldKind,
-        /// Change of light at which passes end.
-        tolerance: f64,
-    },
-}
+use super::transport::{Marched, PAPERS, Transport};
 
 /// A bake up to its fields.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -119,22 +96,12 @@ impl Store {
 }
 
 fn physical(suns: NamedSuns, ordinates: Ordinates) -> Transport {
-    Transport::Physical {
-        suns,
-        ordinates,
-        rays: 1,
-        parts: 1,
-        field: FieldKind::Scattered,
-        tolerance: PhysicalSettings::default().tolerance,
-    }
+    Marched::new(suns, ordinates).into()
 }
 
 /// A solve on a lattice, with as many rays as that lattice gets where none are asked for.
-fn solve(lattice: u32, mut transport: Transport) -> Solve {
-    if let Transport::Physical { rays, parts, .. } = &mut transport {
-        *rays = rays_for(lattice, *parts);
-    }
-    Solve { lattice, transport }
+fn solve(lattice: u32, transport: Transport) -> Solve {
+    Solve { lattice, transport: transport.on(lattice) }
 }
 
 /// The solve that all others are compared with, of the finest lattice.
@@ -188,17 +155,9 @@ fn add(choices: &mut Vec<Choice>, solve: Solve, stores: &[Store]) {
     }
 }
 
-/// What a preset bakes with the `physical` model.
+/// What a preset bakes.
 fn of_preset(quality: Quality) -> (Solve, Store) {
-    let physical = PhysicalSettings::of(quality);
-    let transport = Transport::Physical {
-        suns: NamedSuns::of(&physical.suns).expect("a test goes through all"),
-        ordinates: physical.ordinates,
-        rays: 1,
-        parts: physical.parts,
-        field: physical.field,
-        tolerance: physical.tolerance,
-    };
+    let transport = Marched::of_preset(quality).into();
     (solve(BakeSettings::of(quality).lattice, transport), coded(quality))
 }
 
@@ -240,28 +199,22 @@ fn few() -> Vec<(Transport, Vec<Store>)> {
         (physical(NamedSuns::Sh2, Ordinates::Lebedev110), usual()),
         (physical(NamedSuns::Ico42, Ordinates::Lebedev110), usual()),
         (physical(NamedSuns::Lattice18, Ordinates::Lattice18), usual()),
-        (Transport::Paper { tolerance: 1e-4 }, usual()),
+        (PAPERS[0], usual()),
     ]
 }
 
 fn many(lattice: u32) -> Vec<(Transport, Vec<Store>)> {
     let usual = || vec![coded(Quality::Standard), coded(Quality::Fine)];
     let coarse = || [Quality::Draft, Quality::Standard, Quality::Fine].map(coded).to_vec();
-    let with = |change: &dyn Fn(&mut u32, &mut FieldKind, &mut f64), suns| {
-        let mut transport = physical(suns, Ordinates::Lebedev110);
-        if let Transport::Physical { parts, field, tolerance, .. } = &mut transport {
-            change(parts, field, tolerance);
-        }
-        transport
-    };
+    let by_default = |suns| Marched::new(suns, Ordinates::Lebedev110);
     let mut all = vec![
         (physical(NamedSuns::Sh3s, Ordinates::Lebedev110), coarse().into_iter().chain([RAW]).collect()),
         (physical(NamedSuns::Sh2s, Ordinates::Lebedev110), all_stores()),
         (
-            with(&|_, field, _| *field = FieldKind::Total, NamedSuns::Sh2s),
+            Marched { field: FieldKind::Total, ..by_default(NamedSuns::Sh2s) }.into(),
             usual().into_iter().chain([RAW]).collect(),
         ),
-        (with(&|_, _, tolerance| *tolerance = 2e-2, NamedSuns::Sh2s), usual()),
+        (Marched { tolerance: 2e-2, ..by_default(NamedSuns::Sh2s) }.into(), usual()),
         (physical(NamedSuns::Sh2s, Ordinates::Lebedev50), usual()),
         (physical(NamedSuns::Sh1s, Ordinates::Lebedev110), coarse()),
         (physical(NamedSuns::Sh1s, Ordinates::Lebedev50), coarse()),
@@ -272,11 +225,11 @@ fn many(lattice: u32) -> Vec<(Transport, Vec<Store>)> {
         (physical(NamedSuns::Ico12, Ordinates::Lebedev110), usual()),
         (physical(NamedSuns::Lattice18, Ordinates::Lebedev110), usual()),
         (physical(NamedSuns::Lattice18, Ordinates::Lattice18), usual()),
-        (Transport::Paper { tolerance: 1e-4 }, all_stores()),
-        (Transport::Paper { tolerance: 1e-2 }, usual()),
+        (PAPERS[0], all_stores()),
+        (PAPERS[1], usual()),
     ];
     if lattice <= CUT_UP_TO {
-        all.push((with(&|parts, _, _| *parts = 2, NamedSuns::Sh3s), usual()));
+        all.push((Marched { parts: 2, ..by_default(NamedSuns::Sh3s) }.into(), usual()));
     }
     all
 }
@@ -284,68 +237,47 @@ fn many(lattice: u32) -> Vec<(Transport, Vec<Store>)> {
 impl Solve {
     /// The flags of `flb bake` that make it.
     pub fn flags(&self) -> String {
-        let lattice = self.lattice;
-        match self.transport {
-            Transport::Paper { tolerance } => {
-                format!("--model paper --lattice {lattice} --tolerance {tolerance}")
-            }
-            Transport::Physical { suns, ordinates, rays, parts, field, tolerance } => format!(
-                "--model physical --lattice {lattice} --suns {} --ordinates {} --rays {rays}{} --field {} --tolerance {tolerance}",
-                suns.name(),
-                ordinates.count(),
-                if parts > 1 { " --cut-sites" } else { "" },
-                field.name(),
-            ),
-        }
+        let start = format!("--model {} --lattice {}", self.transport.name(), self.lattice);
+        let end = format!("--tolerance {}", self.transport.tolerance());
+        let Some(marched) = self.transport.marched() else { return format!("{start} {end}") };
+        let Marched { suns, ordinates, rays, parts, field, .. } = marched;
+        format!(
+            "{start} --suns {} --ordinates {} --rays {rays}{} --field {} {end}",
+            suns.name(),
+            ordinates.count(),
+            if *parts > 1 { " --cut-sites" } else { "" },
+            field.name(),
+        )
     }
 
     /// The settings of its bake.
     pub fn settings(&self, voxels: u32, ignore_alpha: bool) -> BakeSettings {
-        let model = match self.transport {
-            Transport::Paper { tolerance } => {
-                ModelSettings::Paper(PaperSettings { tolerance, ..PaperSettings::default() })
-            }
-            Transport::Physical { suns, ordinates, rays, parts, field, tolerance } => {
-                let (suns, rays) = (suns.basis(), Some(rays));
-                let usual = PhysicalSettings::default();
-                ModelSettings::Physical(PhysicalSettings {
-                    suns,
-                    ordinates,
-                    rays,
-                    parts,
-                    field,
-                    tolerance,
-                    ..usual
-                })
-            }
-        };
+        let model = self.transport.settings();
         BakeSettings { lattice: self.lattice, voxels, ignore_alpha, model, ..BakeSettings::default() }
     }
 
     /// Whether its light holds the sun's beam.
     pub(super) fn holds_beam(&self) -> bool {
-        !matches!(self.transport, Transport::Physical { field: FieldKind::Scattered, .. })
+        self.transport.field() == FieldKind::Total
     }
 }
 
 impl fmt::Display for Solve {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match self.transport {
-            Transport::Paper { tolerance } => write!(f, "paper {} tol {tolerance}", self.lattice),
-            Transport::Physical { suns, ordinates, rays, parts, field, tolerance } => {
-                write!(f, "physical {} {}/{}", self.lattice, suns.name(), ordinates.count())?;
-                if rays > 1 {
-                    write!(f, " rays {rays}")?;
-                }
-                if parts > 1 {
-                    f.write_str(" cut")?;
-                }
-                if field == FieldKind::Total {
-                    f.write_str(" total")?;
-                }
-                write!(f, " tol {tolerance}")
+        write!(f, "{} {}", self.transport.name(), self.lattice)?;
+        if let Some(Marched { suns, ordinates, rays, parts, field, .. }) = self.transport.marched() {
+            write!(f, " {}/{}", suns.name(), ordinates.count())?;
+            if *rays > 1 {
+                write!(f, " rays {rays}")?;
+            }
+            if *parts > 1 {
+                f.write_str(" cut")?;
+            }
+            if *field == FieldKind::Total {
+                f.write_str(" total")?;
             }
         }
+        write!(f, " tol {}", self.transport.tolerance())
     }
 }
 

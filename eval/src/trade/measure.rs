@@ -1,7 +1,6 @@
 //! One choice: baked as `flb bake` bakes it, coded in every way asked for, and measured.
 
-use flb_baker::bake::{BakeObserver, Baked, ModelSettings, NoStore, bake};
-use flb_format::Model;
+use flb_baker::bake::{BakeObserver, Baked, NoStore, bake};
 use flb_packer::{SpeciesFields, encode_species, write_library_to};
 use flb_runtime::Library;
 use flb_scene::{Plant, Step, SurfacePoint};
@@ -147,17 +146,15 @@ impl Bench<'_> {
 
     fn bake(&self, choice: &Choice, plant: Plant, meter: &Meter) -> Result<Baked, EvalError> {
         let mut settings = choice.solve.settings(self.settings.voxels, self.settings.ignore_alpha);
-        if let ModelSettings::Physical(physical) = &mut settings.model {
-            physical.keep_cloud = true;
-        }
+        settings.model.keep_cloud();
         Ok(bake(plant, &settings, &NoStore, meter)?)
     }
 
     /// Traces the truth of a lattice in the medium of its first physical solve.
     fn trace(&self, baked: &Baked, of_lattice: &mut OfLattice) -> Result<(), EvalError> {
         let Baked { fields, cloud, .. } = baked;
-        let (Model::Physical { surfaces, .. }, Some(turbid), Some(cloud), None) =
-            (&fields.meta.model, &fields.turbid, cloud, &of_lattice.truth)
+        let (Some((surfaces, _)), Some(turbid), Some(cloud), None) =
+            (fields.meta.physical(), &fields.turbid, cloud, &of_lattice.truth)
         else {
             return Ok(());
         };

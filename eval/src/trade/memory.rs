@@ -4,7 +4,8 @@ use flb_format::Codec;
 use flb_format::beam::single;
 use flb_transport::ordinates::OrdinatesSettings;
 
-use super::choice::{FINEST_STORE, Solve, Store, Transport};
+use super::choice::{FINEST_STORE, Solve, Store};
+use super::transport::Marched;
 
 /// Density, class, areas and extinction of a site; what the stages keep beside them for a moment.
 const SITE_BYTES: u64 = 40;
@@ -31,14 +32,14 @@ const BASE_BYTES: u64 = 200_000_000;
 
 /// Predicted peak of a bake up to its fields, in bytes: not less than what it takes.
 pub(super) fn of_solve(solve: &Solve, sites: u64, bands: u64) -> u64 {
-    let lit = match solve.transport {
-        Transport::Paper { .. } => PAPER_SITE_BYTES,
-        Transport::Physical { suns, parts, .. } => {
+    let lit = match solve.transport.marched() {
+        None => PAPER_SITE_BYTES,
+        Some(Marched { suns, parts, .. }) => {
             let suns = suns.basis();
             let single = suns.needs_single();
             let settings = OrdinatesSettings { suns, ..OrdinatesSettings::default() };
             let solved = u64::from(settings.solves()).next_multiple_of(LANES);
-            let parts = if parts > 1 { PARTS_PER_CUT_SITE } else { 1 };
+            let parts = if *parts > 1 { PARTS_PER_CUT_SITE } else { 1 };
             let rays = u64::from(single::rays(solve.lattice));
             let single = if single { rays * rays * SINGLE_BYTES } else { 0 };
             parts * solved * (bands.min(4) * LIGHT_BYTES + BEAM_BYTES) + single
@@ -53,10 +54,11 @@ pub(super) fn of_store(solve: &Solve, store: &Store, bands: u64) -> u64 {
     // What a file takes of its fields, in quarters; what the search for the steps of blocks near geometry takes. Blocks
     // share texels, so that those of `paper`, which is lit all over, take more than twice its fields where nothing is
     // dropped; scattered light is nothing in most of a lattice.
-    let quarters = match (store.codec, solve.transport) {
-        (Codec::HaarPaper, Transport::Paper { .. }) if store.threshold == 0.0 => 10,
-        (Codec::HaarPaper, Transport::Physical { .. }) if store.threshold == 0.0 => 5,
-        (Codec::HaarPaper, Transport::Physical { .. }) => 3,
+    let is_all_over = solve.transport.is_all_over();
+    let quarters = match (store.codec, store.threshold == 0.0) {
+        (Codec::HaarPaper, true) if is_all_over => 10,
+        (Codec::HaarPaper, true) => 5,
+        (Codec::HaarPaper, false) if !is_all_over => 3,
         _ => 4,
     };
     // The fields, the file, and what a sampler keeps of it; the fields go before the last file is made.
@@ -70,11 +72,7 @@ fn beside(solve: &Solve) -> u64 {
 
 /// Plain floats.
 fn fields(solve: &Solve, bands: u64) -> u64 {
-    let items = match solve.transport {
-        Transport::Paper { .. } => 19,
-        Transport::Physical { suns, .. } => u64::from(suns.basis().items()),
-    };
-    u64::from(solve.lattice).pow(3) * items * bands * 4
+    u64::from(solve.lattice).pow(3) * solve.transport.items() * bands * 4
 }
 
 /// Returns three quarters of the memory that the system has available, in bytes; `None` where it does not say.

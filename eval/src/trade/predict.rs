@@ -5,9 +5,10 @@ use flb_baker::{downsample, voxelise};
 use flb_format::size_text::bytes;
 use flb_scene::{ClassedMesh, Observer, Plant, Step};
 
-use super::choice::{self, Choice, FINEST_STORE, Skipped, Solve, Store, Transport};
+use super::choice::{self, Choice, FINEST_STORE, Skipped, Solve, Store};
 use super::memory;
 use super::settings::TradeSettings;
+use super::transport::BandNames;
 use crate::EvalError;
 
 /// Lattice and its non-empty sites.
@@ -16,7 +17,7 @@ type Sites = Vec<(u32, u64)>;
 /// What memory is predicted from.
 pub(super) struct Predict {
     sites: Sites,
-    names: Names,
+    names: BandNames,
 }
 
 impl Predict {
@@ -26,7 +27,7 @@ impl Predict {
         settings: &TradeSettings,
         observer: &dyn Observer,
     ) -> Result<Predict, EvalError> {
-        Ok(Predict { sites: survey(&plant.classed, settings, observer)?, names: Names::of(plant) })
+        Ok(Predict { sites: survey(&plant.classed, settings, observer)?, names: BandNames::of(plant) })
     }
 
     pub(super) fn sites(&self, lattice: u32) -> u64 {
@@ -42,7 +43,7 @@ impl Predict {
     }
 
     fn bands(&self) -> u64 {
-        self.names.physical.len().max(self.names.paper.len()) as u64
+        self.names.most()
     }
 }
 
@@ -105,30 +106,12 @@ pub(super) fn affordable(
             kept.push(choice);
         }
     }
-    let names = &predict.names;
-    if names.physical != names.paper {
-        let is_paper = |choice: &mut Choice| matches!(choice.solve.transport, Transport::Paper { .. });
-        let (paper, physical) = (names.paper.join(" "), names.physical.join(" "));
-        let reason =
-            format!("its bands are {paper}, those of the physical model {physical}: they cannot be compared");
-        skipped.extend(
-            kept.extract_if(.., is_paper).map(|choice| Skipped::new(&choice.solve, None, reason.clone())),
-        );
-    }
-    Ok((kept, skipped))
-}
-
-/// Names of the bands of both models.
-struct Names {
-    paper: Vec<String>,
-    physical: Vec<String>,
-}
-
-impl Names {
-    fn of(plant: &Plant) -> Names {
-        Names {
-            paper: plant.optics.bands.iter().map(|band| band.name.clone()).collect(),
-            physical: plant.surfaces.bands.iter().map(|band| band.name.clone()).collect(),
+    let mut compared = Vec::new();
+    for choice in kept {
+        match predict.names.why_not_compared(&choice.solve.transport) {
+            None => compared.push(choice),
+            Some(reason) => skipped.push(Skipped::new(&choice.solve, None, reason)),
         }
     }
+    Ok((compared, skipped))
 }

@@ -99,7 +99,8 @@ fn price(row: &Row) -> String {
 
 #[cfg(test)]
 mod tests {
-    use super::super::choice::{Solve, Store, Transport, choices};
+    use super::super::choice::{Solve, Store, choices};
+    use super::super::transport::PAPERS;
     use super::*;
     use flb_format::Codec;
 
@@ -147,7 +148,7 @@ mod tests {
 
     #[test]
     fn rows_that_no_preset_can_be_are_passed_over() {
-        let paper = Solve { lattice: 32, transport: Transport::Paper { tolerance: 1e-4 } };
+        let paper = Solve { lattice: 32, transport: PAPERS[0] };
         let store = Store { codec: Codec::Classed, threshold: 0.0, psnr_db: 40.0, dark_error: 0.1 };
         let rows = [
             Row { pareto: false, ..row(1, 1.0, 1.0) },

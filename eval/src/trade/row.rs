@@ -1,9 +1,9 @@
 //! One bake, measured: a row of every table.
 
-use flb_format::{Codec, FieldKind};
+use flb_format::Codec;
 use serde::Serialize;
 
-use super::choice::{Solve, Store, Transport, presets_of};
+use super::choice::{Solve, Store, presets_of};
 use super::on_mesh::MeshRow;
 use super::truth::TruthError;
 
@@ -76,17 +76,8 @@ pub struct Row {
 impl Row {
     /// What is known of a row before it is measured.
     pub(super) fn new(solve: &Solve, store: &Store) -> Row {
-        let (suns, ordinates, rays, parts, field, tolerance) = match solve.transport {
-            Transport::Paper { tolerance } => (None, None, None, None, FieldKind::Total, tolerance),
-            Transport::Physical { suns, ordinates, rays, parts, field, tolerance } => (
-                Some(suns.name().to_owned()),
-                Some(ordinates.count()),
-                Some(rays),
-                Some(parts),
-                field,
-                tolerance,
-            ),
-        };
+        let transport = &solve.transport;
+        let marched = transport.marched();
         let threshold = (store.codec == Codec::HaarPaper).then_some(store.threshold);
         let psnr_db = store.codec.is_near_geometry().then_some(store.psnr_db);
         let flags = format!("{} {}", solve.flags(), store.flags());
@@ -94,14 +85,14 @@ impl Row {
             row: 0,
             choice: format!("{solve} {store}"),
             presets: presets_of(solve, store),
-            model: if suns.is_some() { "physical" } else { "paper" },
+            model: transport.name(),
             lattice: solve.lattice,
-            suns,
-            ordinates,
-            rays,
-            parts,
-            field: field.name(),
-            tolerance,
+            suns: marched.map(|one| one.suns.name().to_owned()),
+            ordinates: marched.map(|one| one.ordinates.count()),
+            rays: marched.map(|one| one.rays),
+            parts: marched.map(|one| one.parts),
+            field: transport.field().name(),
+            tolerance: transport.tolerance(),
             codec: store.codec.name(),
             threshold,
             psnr_db,

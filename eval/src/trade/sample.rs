@@ -83,7 +83,7 @@ fn under<'a>(
     prepared: &mut Prepared,
 ) -> Result<Vec<InstanceLight<'a>>, EvalError> {
     let meta = &library.container().species()[0].meta;
-    let needs_single = meta.physical().is_some_and(|(_, light)| light.suns.needs_single());
+    let needs_single = meta.model.suns().needs_single();
     let prepared = &mut prepared[usize::from(needs_single)];
     let near = if prepared.is_none() { species.near() } else { None };
     let one = |(at, sun): (usize, &[f64; 3])| {

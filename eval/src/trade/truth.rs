@@ -1,13 +1,13 @@
 //! How far a solve is from Monte Carlo in the physical medium of its lattice, over the non-empty sites, the noise taken
 //! out by two seeds.
 
-use flb_format::{Field, FieldKind, SunBasis};
+use flb_format::Field;
 use flb_transport::monte_carlo::judge::{self, Judgement, photons};
 use flb_transport::ordinates::{OrdinatesSettings, OrdinatesSolution, SiteAlbedos, TotalLight, near};
 use flb_transport::turbid::{BandScatter, Turbid};
 use serde::Serialize;
 
-use super::choice::Transport;
+use super::transport::Transport;
 use crate::EvalError;
 
 /// Finest lattice that is traced: beyond, photons enough take longer than the solves.
@@ -75,10 +75,7 @@ impl Truth {
     /// The error of solved fields, the mean fluence of sites; they come back as they were. `None` where the truth is
     /// dark.
     pub(super) fn error(&self, transport: &Transport, fields: &mut Vec<(u8, Field)>) -> Option<TruthError> {
-        let (suns, field) = match transport {
-            Transport::Physical { suns, field, .. } => (suns.basis(), *field),
-            Transport::Paper { .. } => (SunBasis::Lattice18, FieldKind::Total),
-        };
+        let (suns, field) = (transport.suns(), transport.field());
         let settings = OrdinatesSettings { suns, field, ..OrdinatesSettings::default() };
         let solution = OrdinatesSolution {
             fields: std::mem::take(fields),
@@ -104,6 +101,7 @@ impl Truth {
 
 #[cfg(test)]
 mod tests {
+    use super::super::transport::Marched;
     use super::*;
     use flb_transport::lattice::media;
     use flb_transport::ordinates::{self, NamedSuns, OrdinatesSettings};
@@ -127,12 +125,10 @@ mod tests {
         let settings = OrdinatesSettings::default();
         let solution = ordinates::solve(&turbid, &bands, &settings, &|_| {}).expect("a valid medium");
         let transport = super::super::choice::finest(16).transport;
-        let Transport::Physical { ordinates, rays, parts, field, tolerance, .. } = transport else {
-            panic!("the finest solve is physical")
-        };
+        let finest = *transport.marched().expect("the finest solve marches");
         let suns = NamedSuns::Sh2s;
         assert_eq!(suns.basis(), settings.suns);
-        let transport = Transport::Physical { suns, ordinates, rays, parts, field, tolerance };
+        let transport = Transport::from(Marched { suns, ..finest });
         let mut fields = solution.fields.clone();
         let good = truth.error(&transport, &mut fields).expect("there is light");
         assert_eq!(fields, solution.fields);

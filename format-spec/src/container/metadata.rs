@@ -10,8 +10,8 @@ use serde_json::Value;
 use super::records::{LATTICES, MAX_BANDS, MAX_METADATA_BYTES};
 use crate::canonical::{self, JsonFault};
 use crate::error::{FormatError, Place};
-use crate::light::Model;
 use crate::meta::LeftOut;
+use crate::model::Model;
 use crate::{MeanLight, Optics, SpeciesMeta};
 
 /// Largest size of a name, in bytes, UTF-8.
@@ -135,12 +135,10 @@ pub fn check(meta: &SpeciesMeta) -> Result<(), MetaFault> {
         rule(coordinate(high), &format!("bounds_m.max[{axis}]"), &high, "metres within 1e9")?;
     }
 
-    match &meta.model {
-        Model::Paper { optics } => check_optics(optics)?,
-        Model::Physical { surfaces, light } => {
-            light::check_surfaces(surfaces)?;
-            light::check_light(light)?;
-        }
+    meta.optics().map_or(Ok(()), check_optics)?;
+    if let Some((surfaces, light)) = meta.physical() {
+        light::check_surfaces(surfaces)?;
+        light::check_light(light)?;
     }
     if let Some(left_out) = &meta.left_out {
         check_left_out(left_out, &meta.model)?;

@@ -30,7 +30,7 @@ pub(super) fn open(source: &dyn Source) -> Result<Container, FormatError> {
     let blocks = !header.is_draft() && sections.iter().any(|s| s.key.kind == KIND_BLOCKS);
     check_feature_use(&header, FEATURE_BLOCKS, "3 (blocks)", "the kinds of sections", blocks)?;
     let species = join::join_species(source, header.kinds(), &sections, &tables)?;
-    let physical = species.iter().any(|species| species.meta.physical().is_some());
+    let physical = species.iter().any(|species| species.meta.model.has_extinction());
     check_feature_use(&header, FEATURE_PHYSICAL, "1 (physical)", "the metadata", physical)?;
     let chosen = vec![None; species.len()];
     Ok(Container { header, sections, tables, species, chosen })

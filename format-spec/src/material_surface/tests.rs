@@ -1,6 +1,6 @@
 use super::*;
-use crate::light::Model;
 use crate::meta::{Bounds, TriangleCounts};
+use crate::model::Model;
 use crate::{Grid, Optics};
 
 /// Of three bands.

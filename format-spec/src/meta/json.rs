@@ -7,8 +7,7 @@ use serde_json::Value;
 
 use super::{Bounds, LeftOut, SourceFile, SpeciesMeta, TriangleCounts};
 use crate::light::json::present;
-use crate::light::{Light, Model};
-use crate::{Grid, MeanLight, Optics, Surfaces};
+use crate::{Grid, Light, MeanLight, Model, Optics, Surfaces};
 
 #[derive(Serialize, Deserialize)]
 pub(super) struct PlainMeta {
@@ -39,10 +38,7 @@ pub(super) struct PlainMeta {
 impl From<SpeciesMeta> for PlainMeta {
     fn from(meta: SpeciesMeta) -> PlainMeta {
         let model = meta.model.name().to_owned();
-        let (optics, surfaces, light) = match meta.model {
-            Model::Paper { optics } => (Some(optics), None, None),
-            Model::Physical { surfaces, light } => (None, Some(surfaces), Some(light)),
-        };
+        let (optics, surfaces, light) = meta.model.into_members();
         PlainMeta {
             name: meta.name,
             model,
@@ -67,23 +63,7 @@ impl TryFrom<PlainMeta> for SpeciesMeta {
     type Error = String;
 
     fn try_from(plain: PlainMeta) -> Result<SpeciesMeta, String> {
-        let there = |there: bool| if there { "present" } else { "missing" };
-        let members = (plain.optics, plain.surfaces, plain.light);
-        let model = match (plain.model.as_str(), members) {
-            ("paper", (Some(optics), None, None)) => Model::Paper { optics },
-            ("physical", (None, Some(surfaces), Some(light))) => Model::Physical { surfaces, light },
-            ("paper" | "physical", (optics, surfaces, light)) => {
-                return Err(format!(
-                    "model {:?} with `optics` {}, `surfaces` {}, `light` {}: paper has optics alone, physical has surfaces \
-                     and light",
-                    plain.model,
-                    there(optics.is_some()),
-                    there(surfaces.is_some()),
-                    there(light.is_some())
-                ));
-            }
-            (other, _) => return Err(format!("model is {other}, expected \"paper\" or \"physical\"")),
-        };
+        let model = Model::of_members(&plain.model, (plain.optics, plain.surfaces, plain.light))?;
         Ok(SpeciesMeta {
             name: plain.name,
             model,

@@ -43,7 +43,7 @@ pub(crate) const DAYLIGHT: [Member; 19] = [
     ("haze_m", 1),
     ("direct", 1),
     ("indirect", 1),
-    ("is_physical", 1),
+    ("units", 1),
     ("show", 1),
     ("ambient", 1),
     ("cells", 1),

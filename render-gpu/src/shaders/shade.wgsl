@@ -70,7 +70,7 @@ fn plant(fragment: Fragment, direction: vec3<f32>) -> Lit {
     }
     var direct = vec3<f32>(0.0);
     var side = hit.flat_normal;
-    if daylight.is_physical == 0u {
+    if daylight.units == UNITS_WHITE {
         let cosine = dot(hit.normal, towards);
         if cosine > 0.0 && dot(hit.flat_normal, towards) > 0.0 {
             direct = hit.color * cosine;

@@ -58,7 +58,7 @@ struct Daylight {
     // Light of the sun itself, and of the fields: 0 or 1.
     direct: f32,
     indirect: f32,
-    is_physical: u32,
+    units: u32,
     // SHOW_PICTURE and so on.
     show: u32,
     // Of the sky, for light among neighbours.
@@ -122,6 +122,7 @@ const GROUND: u32 = 0xfffffffeu;
 const GROUND_NONE: u32 = 0u;
 const GROUND_PLANE: u32 = 1u;
 const GROUND_HEIGHTS: u32 = 2u;
+const UNITS_WHITE: u32 = 0u;
 const SHOW_PICTURE: u32 = 0u;
 const SHOW_INSTANCES: u32 = 1u;
 const SHOW_NORMALS: u32 = 2u;

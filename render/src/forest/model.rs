@@ -9,7 +9,7 @@ use super::{
     placed::{Extent, Hull},
 };
 use crate::{
-    RenderError, Shading,
+    RenderError, Shading, Surfaces,
     scene::{Hit, Ray, Scene, TriangleHit},
     sun::lift,
     surfaces::Finish,
@@ -17,7 +17,7 @@ use crate::{
 
 pub(crate) struct Model<'a> {
     pub hull: Hull,
-    /// Laws of the surfaces in the `physical` shading.
+    /// Laws of the surfaces, where these are known.
     pub finish: Option<Finish>,
     pub scene: Scene<'a>,
     /// In place of the scene's tree.
@@ -32,13 +32,11 @@ impl<'a> Model<'a> {
         search: ModelSearch,
     ) -> Result<Model<'a>, RenderError> {
         let scene = Scene::prepare(mesh, classes)?;
-        let finish = match shading {
-            Shading::Paper => None,
-            Shading::Physical(surfaces) => {
-                surfaces.check()?;
-                Some(Finish::of(&scene, *surfaces))
-            }
+        let finish = |surfaces: &Surfaces| {
+            surfaces.check()?;
+            Ok::<_, RenderError>(Finish::of(&scene, *surfaces))
         };
+        let finish = shading.surfaces().map(finish).transpose()?;
         // Rays start at the box, so no triangle may lie in its faces.
         let extent = Extent { min: scene.min.as_dvec3(), max: scene.max.as_dvec3() };
         let extent = extent.padded(f64::from(lift(&scene)));

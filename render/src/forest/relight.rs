@@ -19,10 +19,9 @@ use super::{
 use crate::{
     Lighting, Look, Picture, RenderError,
     backdrop::{on_level_ground, sky_gradient},
-    paper::Paper,
-    physical::Physical,
     picture::{if_finite, not_below_0},
     scene::{Hit, TriangleHit},
+    shading::Seen,
     sun::Sunlight,
 };
 
@@ -118,7 +117,7 @@ impl<'a> Lit<'a> {
         let scenery = forest.around().under(lighting, look, towards, camera.lens.position);
         let white_under_sky = match &lighting.dome {
             None => Vec3::splat(scenery.white_under_sky),
-            Some(_) if !forest.is_physical => {
+            Some(_) if !forest.units.has_uneven_sky() => {
                 return Err(RenderError::Setting {
                     name: "dome",
                     found: "a sky with the shading `paper`".into(),
@@ -206,35 +205,13 @@ impl<'a> Lit<'a> {
         let sun = Sunlight { towards, ..self.sunlight() };
         let sees = |side: Vec3| !self.forest.is_shaded(&self.sun, instance, &hit, side);
         let has_direct = self.look.has_direct() && self.scenery.sun_strength > 0.0;
-        let has_indirect = self.look.has_indirect();
         let phi = |query: LightQuery| {
             let mut phi = [0.0; 3];
             (self.light)(query, &mut phi);
             Vec3::from(phi)
         };
-        let mut color = Vec3::ZERO;
-        match &model.finish {
-            None => {
-                let Look { specular, indirect_scale, .. } = *self.look;
-                let paper = Paper { sun, specular, indirect_scale };
-                if has_direct {
-                    color += paper.direct(&hit, looking, sees);
-                }
-                if has_indirect {
-                    color += paper.indirect(&hit, phi(LightQuery::of(instance, hit.point, &hit)));
-                }
-            }
-            Some(finish) => {
-                let (physical, matt) = (Physical { sun }, finish.at(&hit));
-                if has_direct {
-                    color += physical.direct(&hit, &matt, sees);
-                }
-                if has_indirect {
-                    color += physical.indirect(&matt, phi(finish.asks(instance, &hit)));
-                }
-            }
-        }
-        color
+        let seen = Seen { instance, hit: &hit, looking, sun, has_direct };
+        seen.color(model.finish.as_ref(), self.look, sees, phi)
     }
 
     fn ground(&self, soil: &GroundSurface, point: DVec3, sky: f32) -> Vec3 {

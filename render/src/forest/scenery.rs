@@ -1,15 +1,10 @@
 //! What a daylight makes of the surroundings: how bright sun, ground and sky are drawn, and where the ground ends.
 
-use std::f32::consts::FRAC_1_PI;
-
 use flb_format::Daylight;
 use glam::DVec3;
 
 use super::Forest;
-use crate::{
-    Lighting, Look, RenderError,
-    backdrop::{OPEN_SKY, SKY_LUMINANCE, paper_sky_strength, sky_radiance},
-};
+use crate::{Lighting, Look, RenderError, Units};
 
 /// Strengths of everything around the plants under one sun, for one camera.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -37,8 +32,8 @@ const HAZE: [f64; 2] = [4.0, 3.0];
 /// Properties of a forest by which its surroundings are drawn, whatever the daylight.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Around {
-    /// Whether the shading is the `physical` one.
-    pub is_physical: bool,
+    /// Units of the picture.
+    pub units: Units,
     /// Whether there is a ground, or water.
     pub has_ground: bool,
     /// Distance at which the ground has faded into the haze, metres, as [`super::Ground::fades_at_m`].
@@ -66,14 +61,7 @@ impl Around {
     pub(super) fn under(&self, lighting: &Lighting, look: &Look, towards: DVec3, camera: DVec3) -> Scenery {
         let Daylight { sun, sky, .. } = lighting.daylight;
         let is_up = towards.y > 0.0 || !self.has_ground;
-        let [white_in_sun, white_under_sky, sky_strength] = match self.is_physical {
-            false => [sun, OPEN_SKY * sky * look.indirect_scale, paper_sky_strength(sky)],
-            true => {
-                // Irradiance of half a sky is pi times its radiance.
-                let radiance = sky_radiance(sky);
-                [sun * FRAC_1_PI, radiance, radiance / SKY_LUMINANCE]
-            }
-        };
+        let [white_in_sun, white_under_sky, sky_strength] = self.units.surroundings(sun, sky, look);
         let [min, max] = self.box_m.map(DVec3::from);
         let (center, half) = ((min + max) / 2.0, (max - min) / 2.0);
         let level = |offset: DVec3| (offset.x * offset.x + offset.z * offset.z).sqrt();
@@ -96,6 +84,6 @@ impl Forest<'_> {
     pub fn around(&self) -> Around {
         let has_ground = self.soil.is_some() || self.water.is_some();
         let fades_at_m = self.ground().and_then(|ground| ground.fades_at_m);
-        Around { is_physical: self.is_physical, has_ground, fades_at_m, box_m: self.bounds_m() }
+        Around { units: self.units, has_ground, fades_at_m, box_m: self.bounds_m() }
     }
 }

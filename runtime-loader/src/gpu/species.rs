@@ -15,7 +15,7 @@ use crate::{Library, RuntimeError, SunTerms};
 pub struct GpuSpecies {
     number: GpuSpeciesId,
     suns: SunBasis,
-    is_physical: bool,
+    is_bounded: bool,
     /// `[base]`: its index for terms.
     indices: Vec<Option<u32>>,
 }
@@ -41,14 +41,13 @@ impl GpuSpecies {
             let coded = container.read_coded_base(source, species, base, &shared).map_err(at_file)?;
             indices[usize::from(base)] = Some(light.set_base(number, base, &coded)?);
         }
-        let suns = entry.meta.physical().map(|(_, light)| light.suns.clone());
-        let is_physical = suns.is_some();
-        let suns = suns.unwrap_or(SunBasis::Lattice18);
+        let model = &entry.meta.model;
+        let (suns, is_bounded) = (model.suns().clone(), model.is_bounded());
         if suns.first_near_item().is_some() {
             let turbid = container.read_turbid(source, species).map_err(at_file)?;
             light.set_extinction(number, &Extinction::of(&turbid), suns.needs_single())?;
         }
-        Ok(GpuSpecies { number, suns, is_physical, indices })
+        Ok(GpuSpecies { number, suns, is_bounded, indices })
     }
 
     /// Number of the species for `flb_sample` and `flb_near`.
@@ -56,9 +55,9 @@ impl GpuSpecies {
         self.number
     }
 
-    /// Whether light of the species is cut off at 0 in a shader: of the model `physical`, whose light is never below 0.
+    /// Whether light of the species is cut off at 0 in a shader: it is never below.
     pub fn is_bounded(&self) -> bool {
-        self.is_physical
+        self.is_bounded
     }
 
     /// Adds the terms of a sky, if it sends any light, and then those of a sun (model's frame, any length; one without

@@ -337,7 +337,7 @@ impl Weighted {
 /// The medium of a species that is as it has to be for an uneven sky.
 fn checked<'l>(light: &'l SpeciesLight) -> Result<&'l Arc<MediumSites>, RuntimeError> {
     let species = light.resident();
-    if !species.is_physical() {
+    if !species.has_extinction() {
         return Err(RuntimeError::UnevenSky {
             found: "the model \"paper\"",
             expected: "\"physical\": a paper file does not say what comes from the sky itself",

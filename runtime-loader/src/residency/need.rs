@@ -156,11 +156,11 @@ impl NeedFinder {
         let mut tables: Vec<Arc<Table>> = Vec::new();
         let mut species = Vec::with_capacity(units.species());
         for (index, entry) in container.species().iter().enumerate() {
-            let suns = entry.meta.physical().map_or(SunBasis::Lattice18, |(_, light)| light.suns.clone());
-            let table = match tables.iter().find(|table| table.suns == suns) {
+            let suns = entry.meta.model.suns();
+            let table = match tables.iter().find(|table| table.suns == *suns) {
                 Some(table) => Arc::clone(table),
                 None => {
-                    tables.push(Arc::new(Table::new(suns)));
+                    tables.push(Arc::new(Table::new(suns.clone())));
                     Arc::clone(&tables[tables.len() - 1])
                 }
             };

@@ -11,7 +11,7 @@ const REFERENCES: &str = "Another, As, How it, How many there, It, Its, Of, Such
 const HELP: [&str; 2] = ["cli/src/args", "cli/src/args.rs"];
 
 /// Folders of what ships: the drawing of rooms, and the fixtures beside it.
-fn rooms(architecture: &str) -> Vec<&str> {
+pub(crate) fn rooms(architecture: &str) -> Vec<&str> {
     let floors = architecture.lines().filter(|line| line.starts_with("floor "));
     let folders = floors.flat_map(|line| line.split_whitespace().skip(2)).chain(["fixtures"]);
     folders.collect()

@@ -11,6 +11,7 @@ mod imports;
 mod included;
 mod light;
 mod mesh_light;
+mod one_wall;
 mod pictures;
 mod plants;
 mod pot;

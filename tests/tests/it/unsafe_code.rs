@@ -10,7 +10,7 @@ const ALLOWED: [(&str, &str); 2] = [
 ];
 
 /// Every Rust file of the repository, by its path from the root.
-fn sources() -> Vec<(String, String)> {
+pub(crate) fn sources() -> Vec<(String, String)> {
     let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("..");
     let mut found = Vec::new();
     let mut folders = vec![PathBuf::new()];

@@ -176,13 +176,13 @@ fn add_detail(
     Ok(())
 }
 
-/// Extinction belongs to `physical`; how many bases there can be is up to the model and its suns.
+/// Not every model has an extinction; how many bases there can be is up to the model and its suns.
 fn check_item(section: &SectionEntry, model: &Model, place: Place) -> Result<(), FormatError> {
     let SectionKey { kind, item, .. } = section.key;
-    let items = match (kind, model) {
-        (KIND_MEDIUM, Model::Paper { .. }) => MEDIUM_EXTINCTION,
-        (KIND_MEDIUM, Model::Physical { .. }) => MEDIUM_ITEMS.len() as u32,
-        (KIND_BLOCKS, _) => return Ok(()),
+    let items = match kind {
+        KIND_MEDIUM if model.has_extinction() => MEDIUM_ITEMS.len() as u32,
+        KIND_MEDIUM => MEDIUM_EXTINCTION,
+        KIND_BLOCKS => return Ok(()),
         _ => model.items().into(),
     };
     if item < items {
@@ -208,9 +208,9 @@ fn check_complete(species: &[Species]) -> Result<(), FormatError> {
     }
     for (i, entry) in species.iter().enumerate() {
         let model = &entry.meta.model;
-        let extinction = match model {
-            Model::Paper { .. } => [0; 2],
-            Model::Physical { .. } => entry.extinction.unwrap_or([usize::MAX; 2]),
+        let extinction = match model.has_extinction() {
+            true => entry.extinction.unwrap_or([usize::MAX; 2]),
+            false => [0; 2],
         };
         let mut medium = entry.medium.iter().chain(&extinction);
         if let Some(item) = medium.position(|section| *section == usize::MAX) {

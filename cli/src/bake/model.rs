@@ -1,0 +1,114 @@
+//! What follows from the model that `flb bake` is asked for: its settings, the flags that it refuses, and what is said.
+
+use flb_baker::bake::{ModelSettings, PaperSettings, PhysicalSettings};
+use flb_baker::crown::LeafAngleChoice;
+use flb_format::FieldKind;
+use flb_transport::SolverKind;
+use flb_transport::ordinates::{MAX_RAYS, NamedSuns};
+
+use super::limits::{check_end, ordinates_of};
+use crate::args::{BackendArg, BakeArgs, FieldArg, LeafAnglesArg, ModelArg, SolverArg};
+use crate::classes::MeshReader;
+use crate::exit::{Failure, USAGE};
+use crate::print::say;
+
+/// Model and solve. Refuses flags of the other model.
+pub(crate) fn settings(args: &BakeArgs) -> Result<ModelSettings, Failure> {
+    Ok(match args.model.model {
+        ModelArg::Physical => ModelSettings::Physical(physical(args)?),
+        ModelArg::Paper => ModelSettings::Paper(paper(args)?),
+    })
+}
+
+fn paper(args: &BakeArgs) -> Result<PaperSettings, Failure> {
+    if let Some(flag) = args.model.physical_flag() {
+        let message = format!("{flag} is for --model physical; the paper model has no such choice");
+        return Err(Failure::new(USAGE, message));
+    }
+    let preset = PaperSettings::of(args.quality());
+    Ok(PaperSettings {
+        solver: match args.solver {
+            SolverArg::Auto if args.backend == BackendArg::Gpu => SolverKind::Gpu,
+            SolverArg::Auto | SolverArg::Sweep => SolverKind::Sweep,
+            SolverArg::Explicit => SolverKind::Explicit,
+            SolverArg::Literal => SolverKind::Literal,
+        },
+        tolerance: args.tolerance.unwrap_or(preset.tolerance),
+        max_sweeps: args.max_sweeps,
+    })
+}
+
+fn physical(args: &BakeArgs) -> Result<PhysicalSettings, Failure> {
+    let refuse = |message: String| Err(Failure::new(USAGE, message));
+    let flags = &args.model;
+    if args.solver != SolverArg::Auto || args.backend == BackendArg::Gpu {
+        let message =
+            "--solver and --backend gpu are for --model paper; the physical model has one solver, on the CPU";
+        return refuse(message.to_owned());
+    }
+    let preset = PhysicalSettings::of(args.quality());
+    let ordinates = match flags.ordinates {
+        None => preset.ordinates,
+        Some(count) => ordinates_of(count)?,
+    };
+    if let Some(rays) = flags.rays.filter(|rays| !(1..=MAX_RAYS).contains(rays)) {
+        return refuse(format!("--rays is {rays}, expected 1 to {MAX_RAYS}"));
+    }
+    let tolerance = args.tolerance.unwrap_or(preset.tolerance);
+    check_end(tolerance, args.max_sweeps)?;
+    Ok(PhysicalSettings {
+        suns: flags.suns.map_or(preset.suns, NamedSuns::basis),
+        ordinates,
+        rays: flags.rays,
+        parts: flags.cut_sites.map_or(preset.parts, |cut| if cut { 2 } else { 1 }),
+        field: match flags.field {
+            None => preset.field,
+            Some(FieldArg::Scattered) => FieldKind::Scattered,
+            Some(FieldArg::Total) => FieldKind::Total,
+        },
+        leaf_angles: match flags.leaf_angles {
+            None => preset.leaf_angles,
+            Some(LeafAnglesArg::Measured) => LeafAngleChoice::Measured,
+            Some(LeafAnglesArg::Spherical) => LeafAngleChoice::Spherical,
+            Some(LeafAnglesArg::Planophile) => LeafAngleChoice::Planophile,
+            Some(LeafAnglesArg::Erectophile) => LeafAngleChoice::Erectophile,
+        },
+        tolerance,
+        max_passes: args.max_sweeps,
+        monte_carlo_suns: flags.monte_carlo.into(),
+        keep_cloud: false,
+    })
+}
+
+/// The flag that asks for light without a part that was scattered alone, if one does.
+pub(crate) fn without_scattered_light(args: &BakeArgs) -> Option<&'static str> {
+    match args.model.model {
+        ModelArg::Paper => Some("--model paper"),
+        ModelArg::Physical => (args.model.field == Some(FieldArg::Total)).then_some("--field total"),
+    }
+}
+
+/// Whether the light depends on the colours of the plant's textures.
+pub(crate) fn follows_colors(args: &BakeArgs) -> bool {
+    match args.model.model {
+        ModelArg::Physical => true,
+        ModelArg::Paper => false,
+    }
+}
+
+/// Says where the species file describes leaves for the other model only.
+pub(crate) fn say_other_model(args: &BakeArgs, reader: &MeshReader) {
+    let Some((species, path)) = reader.plants.species.as_ref().zip(args.mesh.species.as_deref()) else {
+        return;
+    };
+    let found = match args.model.model {
+        ModelArg::Physical if species.surfaces.is_none() && species.optics.is_some() => {
+            "its [[optics]] are for --model paper, and it has no [[surfaces]]: baking with those of common leaves and bark"
+        }
+        ModelArg::Paper if species.optics.is_none() && species.surfaces.is_some() => {
+            "its surfaces are for --model physical, and it has no [[optics]]: baking with the papers'"
+        }
+        _ => return,
+    };
+    say!("warning: {}: {found}", path.display());
+}
