@@ -13,7 +13,6 @@ use crate::args::{LeafColourArg, MeshArgs, UpArg};
 use crate::exit::Failure;
 use crate::inputs::check_local;
 use crate::mesh_of_light::Said;
-use crate::print::say;
 use crate::size::{Measured, Mend};
 
 /// Reads mesh files, and says on stderr what it decided.
@@ -48,9 +47,7 @@ impl MeshReader {
 
     /// For the mesh of a scene's species.
     pub(crate) fn of_scene(species: &SceneSpecies) -> Result<MeshReader, Failure> {
-        let (file, gltf_mesh) = (species.species_file.clone(), species.gltf_mesh.clone());
-        let reader = MeshReader::new(&MeshArgs { species: file, gltf_mesh, ..MeshArgs::default() })?;
-        Ok(MeshReader { mend: Mend::SpeciesFile, ..reader })
+        Ok(MeshReader { plants: open::scene_reader(species)?, quiet: false, mend: Mend::SpeciesFile })
     }
 
     /// The mesh; what import repaired or ignored goes to stderr.
@@ -60,20 +57,13 @@ impl MeshReader {
 
     /// The mesh with its classes; classes that were not stated are printed on stderr.
     pub(crate) fn read_classed(&self, path: &Path) -> Result<ClassedMesh, Failure> {
-        let mesh = self.read(path)?;
-        let (classed, decisions) = self.plants.class(mesh).map_err(|error| Failure::from(error).at(path))?;
-        for (material, decision) in classed.mesh.materials.iter().zip(&decisions).filter(|_| !self.quiet) {
-            let class = decision.class.name();
-            say!("{}: material {:?} is {class}: {}", path.display(), material.name, decision.rule);
-        }
-        self.say_sheets(path, &classed);
-        Ok(classed)
+        check_local(path)?;
+        Ok(open::read_classed(path, &self.plants, observer(self.quiet))?)
     }
 
     /// Says on stderr what of a mesh is there twice and counts once.
     pub(crate) fn say_sheets(&self, path: &Path, classed: &ClassedMesh) {
-        let notes = classed.mesh.sheets.notes();
-        notes.iter().filter(|_| !self.quiet).for_each(|note| say!("{}: {note}", path.display()));
+        open::tell_sheets(path, classed, observer(self.quiet));
     }
 
     /// The size of a mesh that was read, and doubts about it, which go to stderr.
@@ -93,6 +83,10 @@ impl MeshReader {
 /// The mesh; what import repaired or ignored goes to stderr, unless `quiet`.
 pub(crate) fn read_mesh(path: &Path, settings: &ImportSettings, quiet: bool) -> Result<Mesh, Failure> {
     check_local(path)?;
-    let observer: &dyn Observer = if quiet { &Unobserved } else { &Said };
-    open::read_mesh(path, settings, observer).map_err(|error| Failure::from(error).at(path))
+    open::read_mesh(path, settings, observer(quiet)).map_err(|error| Failure::from(error).at(path))
+}
+
+/// Hears what is said on stderr, unless `quiet`.
+fn observer(quiet: bool) -> &'static dyn Observer {
+    if quiet { &Unobserved } else { &Said }
 }

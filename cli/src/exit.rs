@@ -401,6 +401,9 @@ impl From<StageError> for Failure {
             StageError::NoSun => usage(
                 "the scene has no suns of its own: name one with --sun AZIMUTH,ELEVATION, or --sun-path",
             ),
+            StageError::ManySpecies { count, found } => {
+                usage(&format!("holds {count} species; choose one with --species: {found}"))
+            }
             StageError::Bands(error) => error.into(),
             StageError::GpuCount { found, expected } => {
                 let message = format!("--gpus {expected}: found {}: {}", found.len(), found.join(", "));
@@ -425,8 +428,7 @@ impl From<StageError> for Failure {
 const MESH_DIFFERS: &str = "--mesh-differs";
 
 /// A sky over a file that was made without its light.
-pub(crate) const NO_SKY_LIGHT: &str =
-    "the file has no light of the sky (base 0 was left out); --ambient 0 goes without";
+const NO_SKY_LIGHT: &str = "the file has no light of the sky (base 0 was left out); --ambient 0 goes without";
 
 #[cfg(feature = "view")]
 impl From<ViewError> for Failure {

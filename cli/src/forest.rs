@@ -1,7 +1,6 @@
 //! `flb render SCENE.toml`: a scene of many plants, each with the light of its file, under one sun after the other.
 
 use std::path::{Path, PathBuf};
-use std::sync::Arc;
 
 use flb_files::check_unread;
 use flb_render::picture::SHEET_GAP;
@@ -10,21 +9,21 @@ use flb_runtime::Library;
 use flb_runtime::scene_light::SceneLight;
 use flb_scene::Step;
 use flb_scene::scene::{Scene, SceneSpecies};
-use flb_stage::open::{find_species, mesh_file};
+use flb_stage::open::{self, mesh_file};
 use flb_stage::{
-    Backend, FrameSettings, GpuCount, LookSettings, PlantLight, SceneLook, ScenePlant, SceneRenderer, Stage,
-    frames,
+    Backend, FrameSettings, GpuCount, LookSettings, OpenSettings, PlantLight, SceneLook, ScenePlant,
+    SceneRenderer, Stage, frames,
 };
 use serde::Serialize;
 
 use crate::args::{BandArgs, MemoryArgs, RenderArgs, RenderBackendArg};
-use crate::classes::MeshReader;
 use crate::exit::{Failure, USAGE};
 use crate::inputs::{check_local, check_output_of, open, read_scene};
 use crate::memory::{check, check_plants, sampler_bytes};
 use crate::mesh_of_light::Said;
-use crate::picture::{PictureFormat, Rendered, indirect, picture_format, shown, write};
+use crate::picture::{PictureFormat, Rendered, indirect, picture_format, write};
 use crate::print::{self, line};
+use crate::size::{Measured, Mend};
 use crate::sky::read_sky;
 use crate::stages::Stages;
 
@@ -201,29 +200,27 @@ pub(crate) fn read_plant(
 ) -> Result<ScenePlant, Failure> {
     let refuse = |message: &str| Failure::new(USAGE, message).at(scene);
     let file = mesh_file(species).map_err(|error| Failure::from(error).at(scene))?;
-    let Some(light) = &species.light else {
-        let reader = MeshReader::of_scene(species)?;
-        let mesh = reader.read_classed(file)?;
-        reader.measure(file, &mesh);
-        return Ok(ScenePlant::unlit(mesh));
-    };
-    let library = open(light)?;
-    let index = scene_species(&library, species)?;
-    let library = shown(library, index, bands)?;
-    let entry = &library.container().species()[index];
-    let meta = &entry.meta;
-    check(&library, &format!("the bases of species {:?}", meta.name), sampler_bytes(entry), memory)?;
-    if !Shading::of(meta).units().has_indirect_scale() && indirect_scale.is_some() {
-        return Err(refuse("--indirect-scale is for paper files only"));
+    let settings = OpenSettings { bands: bands.show_bands.clone(), mesh_may_differ: mesh_differs };
+    let light = PlantLight::open(species, &settings)?;
+    if let Some(light) = &light {
+        let entry = &light.library.container().species()[light.species];
+        let what = format!("the bases of species {:?}", entry.meta.name);
+        check(&light.library, &what, sampler_bytes(entry), memory)?;
+        if !Shading::of(&entry.meta).units().has_indirect_scale() && indirect_scale.is_some() {
+            return Err(refuse("--indirect-scale is for paper files only"));
+        }
     }
     check_local(file)?;
-    let light = PlantLight { library: Arc::new(library), species: index };
-    Ok(ScenePlant::lit(file, light, species.gltf_mesh.as_deref(), mesh_differs, &Said)?)
+    let plant = ScenePlant::with_light(species, light, &settings, &Said)?;
+    if plant.light.is_none() {
+        Measured::of(&plant.mesh, &plant.read_as, Mend::SpeciesFile).say(file);
+    }
+    Ok(plant)
 }
 
 /// The number of a scene's species in its library: by its name, unless it is the only one there.
 pub(crate) fn scene_species(library: &Library, species: &SceneSpecies) -> Result<usize, Failure> {
-    find_species(library, species).map_err(|error| Failure::from(error).at(library.path()))
+    open::scene_species(library, species).map_err(|error| Failure::from(error).at(library.path()))
 }
 
 /// OUT-0001.png and so on.

@@ -11,6 +11,7 @@ use flb_runtime::RemoteSettings;
 use flb_runtime::{Library, Location};
 use flb_scene::import::named_files;
 use flb_scene::scene::Scene;
+use flb_stage::open::find_species;
 
 use crate::exit::{Failure, USAGE};
 
@@ -133,19 +134,5 @@ pub(crate) fn choose_species(
     name: Option<&str>,
     hint: Option<&str>,
 ) -> Result<usize, Failure> {
-    let species = library.container().species();
-    let find = |wanted: &str| species.iter().position(|s| s.meta.name == wanted);
-    let names: Vec<&str> = species.iter().map(|s| s.meta.name.as_str()).collect();
-    let listed = names.join(", ");
-    match (name, species.len()) {
-        (Some(name), _) => find(name).ok_or_else(|| {
-            Failure::new(USAGE, format!("no species is named {name:?}; there are: {listed}"))
-                .at(library.path())
-        }),
-        (None, 1) => Ok(0),
-        (None, count) => hint.and_then(find).ok_or_else(|| {
-            let message = format!("holds {count} species; choose one with --species: {listed}");
-            Failure::new(USAGE, message).at(library.path())
-        }),
-    }
+    find_species(library, name, hint).map_err(|error| Failure::from(error).at(library.path()))
 }

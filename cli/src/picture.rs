@@ -4,11 +4,11 @@ use std::path::Path;
 
 use flb_files::publish;
 use flb_render::{Indirect, Picture};
-use flb_runtime::{Library, SpeciesLight};
+use flb_runtime::Library;
 use serde::Serialize;
 
 use crate::args::{BandArgs, IndirectArg};
-use crate::exit::{Failure, NO_SKY_LIGHT, USAGE};
+use crate::exit::{Failure, USAGE};
 use crate::stages::Stage;
 
 /// What `--json` prints (cli/schema/render.json).
@@ -55,14 +55,6 @@ pub(crate) fn write(
         PictureFormat::Exr => picture.to_exr()?,
     };
     Ok(publish(output, force, |file| file.write_all(&bytes))?)
-}
-
-/// Refuses a sky over a file that was made without its light.
-pub(crate) fn check_sky(light: &SpeciesLight<'_>, ambient: f32) -> Result<(), Failure> {
-    if ambient > 0.0 && !light.has_sky() {
-        return Err(Failure::new(USAGE, NO_SKY_LIGHT));
-    }
-    Ok(())
 }
 
 /// Which part of the light the flag asks for.

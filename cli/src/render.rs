@@ -3,76 +3,47 @@
 use std::path::Path;
 
 use flb_files::check_unread;
-use flb_format::{FieldKind, SpeciesMeta, sun};
+use flb_format::{FieldKind, SpeciesMeta};
 use flb_render::picture::SHEET_GAP;
-use flb_render::{
-    Daylight, Indirect, LightQuery, Lighting, Look, Picture, Portrait, Shading, Species, contact_sheet,
-    render_plant, render_reference,
-};
-use flb_runtime::{InstanceLight, Library, LightCursors, SkyLight, SpeciesLight, Transform};
-use flb_stage::{StageSky, even_sky, sun_strength};
+use flb_render::{Look, Portrait, Shading, contact_sheet};
+use flb_scene::scene::SceneSky;
+use flb_scene::{ClassedMesh, Step};
+use flb_stage::{PlantLight, PlantLook, PlantRenderer, StageSky};
 
 use crate::args::{RenderArgs, RenderBackendArg};
 use crate::exit::{Failure, USAGE};
 use crate::inputs::{check_output_of, choose_species, open};
 use crate::memory::{check, sampler_bytes};
 use crate::mesh_of_light::{MeshOfLight, check_fit, mesh_of_species};
-use crate::picture::{Difference, Rendered, check_sky, indirect, picture_format, shown, write};
+use crate::picture::{Difference, Rendered, indirect, picture_format, write};
 use crate::print::{self, line, say};
 use crate::sky::{read_sky, sky_file};
 use crate::stages::Stages;
-use flb_scene::scene::SceneSky;
-use flb_scene::{ClassedMesh, Step};
 
 /// A file, the species to show, and what it asks of the renderer.
 struct Subject {
-    library: Library,
-    index: usize,
-    settings: Settings,
-}
-
-/// What a picture of a file is asked for.
-struct Settings {
-    shading: Shading,
-    portrait: Portrait,
-    look: Look,
-    /// Light of the sky.
-    ambient: f32,
+    light: PlantLight,
+    look: PlantLook,
     exposure: f32,
 }
 
-impl Settings {
-    /// Of a sun: nothing comes through the ground.
-    fn sun_strength(&self, sun_deg: Option<[f64; 2]>) -> f32 {
-        sun_strength(sun_deg, self.portrait.has_ground)
-    }
-}
-
 impl Subject {
-    fn open(file: &Path, mesh: &Path, args: &RenderArgs) -> Result<Subject, Failure> {
+    fn open(file: &Path, mesh: &Path, args: &RenderArgs, sky: &StageSky) -> Result<Subject, Failure> {
         let library = open(file)?;
         let stem = mesh.file_stem().map(|stem| stem.to_string_lossy().into_owned());
         let index = choose_species(&library, args.species.as_deref(), stem.as_deref())?;
-        let library = shown(library, index, &args.bands)?;
-        let meta = &library.container().species()[index].meta;
-        let needed = sampler_bytes(&library.container().species()[index]);
-        check(&library, &format!("the bases of species {:?}", meta.name), needed, &args.memory)?;
-        let settings = settings(args, meta).map_err(|failure| failure.at(library.path()))?;
-        Ok(Subject { library, index, settings })
+        let light = PlantLight::shown(library, index, &args.bands.show_bands)?;
+        let entry = &light.library.container().species()[index];
+        let needed = sampler_bytes(entry);
+        check(&light.library, &format!("the bases of species {:?}", entry.meta.name), needed, &args.memory)?;
+        let (look, exposure) =
+            look(args, &entry.meta, sky).map_err(|failure| failure.at(light.library.path()))?;
+        Ok(Subject { light, look, exposure })
     }
 
-    fn meta(&self) -> &SpeciesMeta {
-        &self.library.container().species()[self.index].meta
-    }
-
-    /// Its light for the suns of the pictures; `None` where they show none of it.
-    fn light(&self, args: &RenderArgs) -> Result<Option<SpeciesLight<'static>>, Failure> {
-        if args.path_traced || self.settings.look.indirect == Indirect::Off {
-            return Ok(None);
-        }
-        let lit = args.sun.iter().filter(|sun| self.settings.sun_strength(Some(**sun)) > 0.0);
-        let suns = lit.map(|[azimuth, elevation]| sun::towards_sun(*azimuth, *elevation));
-        Ok(Some(SpeciesLight::load_for(&self.library, self.index, suns, self.settings.ambient > 0.0)?))
+    /// The renderer of its pictures.
+    fn renderer<'m>(&self, mesh: &'m ClassedMesh, suns: &[[f64; 2]]) -> Result<PlantRenderer<'m>, Failure> {
+        Ok(PlantRenderer::new(mesh, &self.light, self.look.clone(), suns)?)
     }
 }
 
@@ -111,19 +82,20 @@ pub(crate) fn run(args: &RenderArgs) -> Result<u8, Failure> {
     check_output_of(&args.output, &inputs, args.force)?;
     let format = picture_format(&args.output)?;
     let stages = Stages::default();
-    let chosen = read_sky(&args.sky, &SceneSky::Even)?;
-    let subject = Subject::open(&args.file, mesh_file, args)?;
-    let other = args.against.as_deref().map(|file| Subject::open(file, mesh_file, args)).transpose()?;
-    let (meta, settings) = (subject.meta(), &subject.settings);
+    let sky = read_sky(&args.sky, &SceneSky::Even)?;
+    let open = |file: &Path| Subject::open(file, mesh_file, args, &sky);
+    let subject = open(&args.file)?;
+    let other = args.against.as_deref().map(open).transpose()?;
+    let (meta, exposure) = (subject.light.meta(), subject.exposure);
     let MeshOfLight { mesh, matched } = stages.run(Step::Import, &meta.name, |_| {
         mesh_of_species(mesh_file, meta, args.gltf_mesh.as_deref(), args.mesh_differs)
     })?;
     if let Some(other) = &other {
-        check_fit(mesh_file, other.meta(), &mesh, args.mesh_differs)?;
+        check_fit(mesh_file, other.light.meta(), &mesh, args.mesh_differs)?;
     }
     check_unread(&args.output)?;
-    let light = subject.light(args)?;
-    let other_light = other.as_ref().map(|other| other.light(args)).transpose()?;
+    let renderer = subject.renderer(&mesh, &args.sun)?;
+    let beside = other.as_ref().map(|other| other.renderer(&mesh, &args.sun)).transpose()?;
     let mut pictures = Vec::new();
     let mut squares = Squares::default();
     let suns: Vec<Option<[f64; 2]>> = match args.sun.is_empty() {
@@ -131,26 +103,21 @@ pub(crate) fn run(args: &RenderArgs) -> Result<u8, Failure> {
         false => args.sun.iter().copied().map(Some).collect(),
     };
     for sun in suns {
-        let take = |subject: &Subject, light: Option<&SpeciesLight<'_>>| {
-            let lighting = lit_by(&subject.settings, &chosen, sun, args.ambient)?;
-            let name = flb_stage::frames::subject(sun);
-            relit(args, light, &mesh, (&subject.settings, &lighting, &name), &stages)
-        };
-        let picture = take(&subject, light.as_ref())?;
-        let Some((other, light)) = other.as_ref().zip(other_light.as_ref()) else {
+        let picture = renderer.picture(sun, &stages)?;
+        let Some(beside) = &beside else {
             pictures.push(picture);
             continue;
         };
-        let beside = take(other, light.as_ref())?;
+        let beside = beside.picture(sun, &stages)?;
         let difference = picture.difference(&beside, args.times)?;
-        squares.add(&picture.tone_mapped(settings.exposure), &beside.tone_mapped(settings.exposure));
+        squares.add(&picture.tone_mapped(exposure), &beside.tone_mapped(exposure));
         pictures.extend([picture, beside, difference]);
     }
     let picture = match pictures.len() {
         1 => pictures.remove(0),
         _ => contact_sheet(&pictures, SHEET_GAP)?,
     };
-    write(&args.output, args.force, &picture, format, settings.exposure)?;
+    write(&args.output, args.force, &picture, format, exposure)?;
     let rendered = Rendered::<()> {
         output: args.output.display().to_string(),
         species: meta.name.clone(),
@@ -202,70 +169,8 @@ fn text(rendered: &Rendered<()>) -> String {
     drawn + &difference.unwrap_or_default()
 }
 
-/// A sun and a sky; without a sun, the sky alone.
-fn lit_by(
-    settings: &Settings,
-    sky: &StageSky,
-    sun: Option<[f64; 2]>,
-    ambient: Option<f32>,
-) -> Result<Lighting, Failure> {
-    let units = settings.shading.units();
-    Ok(sky.lighting((sun, settings.sun_strength(sun)), (settings.ambient, ambient), units)?)
-}
-
-/// One picture in a light, which has a name.
-fn relit(
-    args: &RenderArgs,
-    light: Option<&SpeciesLight<'_>>,
-    ClassedMesh { mesh, classes }: &ClassedMesh,
-    (settings, lighting, subject): (&Settings, &Lighting, &str),
-    stages: &Stages,
-) -> Result<Picture, Failure> {
-    let Settings { shading, portrait, look, .. } = settings;
-    let plant = Species { mesh, classes, shading: *shading };
-    if args.path_traced {
-        let traced = stages.run(Step::Render, subject, |progress| {
-            render_reference(&plant, portrait, lighting, look, progress)
-        })?;
-        return Ok(traced.picture);
-    }
-    let uneven = match (&lighting.dome, light) {
-        (Some(dome), Some(light)) => {
-            Some(stages.run(Step::Sky, subject, |_| light.sky(&dome.patches(), &Transform::IDENTITY))?)
-        }
-        _ => None,
-    };
-    let lit = light.map(|light| under(light, uneven.as_ref(), settings, lighting, stages)).transpose()?;
-    let cursors = LightCursors::new(std::slice::from_ref(&lit));
-    let light = |query: LightQuery, phi: &mut [f32; 3]| cursors.at_facing(0, query.point, query.facing, phi);
-    Ok(stages.run(Step::Render, subject, |progress| {
-        render_plant(&plant, portrait, lighting, look, &light, progress)
-    })?)
-}
-
-/// Light of a plant that stands as its model does.
-fn under<'l>(
-    light: &'l SpeciesLight<'_>,
-    uneven: Option<&'l SkyLight<'l>>,
-    settings: &Settings,
-    lighting: &Lighting,
-    stages: &Stages,
-) -> Result<InstanceLight<'l>, Failure> {
-    check_sky(light, settings.ambient)?;
-    let sky = if uneven.is_some() { 0.0 } else { even_sky(settings.ambient) };
-    let lit = light.lit_by_in_model(&Daylight { sky, ..lighting.daylight })?;
-    let lit = match uneven {
-        Some(sky) => lit.with_sky(sky, lighting.sun_color),
-        None => lit,
-    };
-    match settings.shading.surfaces() {
-        None => Ok(lit),
-        Some(_) => Ok(stages.run(Step::Prepare, "", |_| lit.prepared())),
-    }
-}
-
-/// What the flags ask for, of a file of its model. The sun comes later.
-fn settings(args: &RenderArgs, meta: &SpeciesMeta) -> Result<Settings, Failure> {
+/// What the flags ask for, of a file of its model, and stops of exposure.
+fn look(args: &RenderArgs, meta: &SpeciesMeta, sky: &StageSky) -> Result<(PlantLook, f32), Failure> {
     let refuse = |message: &str| Err(Failure::new(USAGE, message));
     let shading = Shading::of(meta);
     let units = shading.units();
@@ -283,9 +188,8 @@ fn settings(args: &RenderArgs, meta: &SpeciesMeta) -> Result<Settings, Failure> 
         say!("warning: the fields hold the sun's beam, which shadow rays add again: the sun counts twice");
     }
     let ([width, height], view) = (args.size.unwrap_or([512; 2]), args.view.unwrap_or([180.0, 8.0]));
-    let look = Look::default();
-    Ok(Settings {
-        shading,
+    let default = Look::default();
+    let look = PlantLook {
         portrait: Portrait {
             width,
             height,
@@ -297,10 +201,12 @@ fn settings(args: &RenderArgs, meta: &SpeciesMeta) -> Result<Settings, Failure> 
         },
         look: Look {
             indirect: indirect(args.indirect),
-            indirect_scale: args.indirect_scale.unwrap_or(look.indirect_scale),
-            ..look
+            indirect_scale: args.indirect_scale.unwrap_or(default.indirect_scale),
+            ..default
         },
-        ambient: args.ambient.unwrap_or(units.default_sky()),
-        exposure: args.exposure.unwrap_or(units.default_exposure()),
-    })
+        ambient: args.ambient,
+        sky: sky.clone(),
+        is_path_traced: args.path_traced,
+    };
+    Ok((look, args.exposure.unwrap_or(units.default_exposure())))
 }

@@ -37,6 +37,14 @@ pub enum StageError {
         /// Names of the library's species.
         found: String,
     },
+    /// A library of several species, none of which was named.
+    #[error("holds {count} species, expected the name of one of them: {found}")]
+    ManySpecies {
+        /// Number of the library's species.
+        count: usize,
+        /// Names of the library's species.
+        found: String,
+    },
     /// Bands of which no picture can be made.
     #[error(transparent)]
     Bands(#[from] flb_format::colors::BandsError),

@@ -38,7 +38,7 @@ impl SceneFrame {
 }
 
 /// A sun, or none, as steps name it.
-pub fn subject(sun_deg: Option<[f64; 2]>) -> String {
+pub(crate) fn subject(sun_deg: Option<[f64; 2]>) -> String {
     sun_deg.map_or("no sun".to_owned(), |[azimuth, elevation]| format!("sun {azimuth},{elevation}"))
 }
 

@@ -7,8 +7,8 @@
 //!
 //! A [`Stage`] is a scene with its meshes and its light. A [`SceneRenderer`] loads what the frames show of whole files,
 //! and takes them on the CPU or on GPUs. A [`Painter`](stream::Painter) streams the light within a budget and draws
-//! with what has come so far, as a viewer does. [`frames()`] says where the camera and the sun of each frame are,
-//! [`StageSky`] which sky is over them.
+//! with what has come so far, as a viewer does. A [`PlantRenderer`] takes pictures of a plant alone. [`frames()`] says
+//! where the camera and the sun of each frame are, [`StageSky`] which sky is over them.
 //!
 //! ```no_run
 //! # fn main() -> Result<(), Box<dyn std::error::Error>> {
@@ -37,6 +37,7 @@
 #![forbid(unsafe_code)]
 #![deny(clippy::print_stdout, clippy::print_stderr)] // cli/src/print.rs alone prints
 
+mod alone;
 mod backend;
 mod error;
 #[cfg(feature = "gpu")]
@@ -56,11 +57,11 @@ mod sky;
 mod stage;
 pub mod stream;
 
+pub use alone::{PlantLook, PlantRenderer};
 pub use backend::{Backend, GpuCount};
 pub use error::StageError;
 pub use frames::{FramePath, FrameSettings, SceneFrame, frames};
-pub use light::even_sky;
-pub use look::{LookSettings, SceneLook, sun_strength};
+pub use look::{LookSettings, SceneLook};
 pub use mesh_of_light::MeshOfLight;
 pub use open::OpenSettings;
 pub use plant::{PlantLight, ScenePlant};

@@ -1,9 +1,9 @@
 //! The light of a scene's species, and of every plant under a sun.
 
-use flb_format::Placement;
+use flb_format::{Placement, Transform};
 use flb_render::{Daylight, Lighting};
 use flb_runtime::scene_light::SceneLightAtSun;
-use flb_runtime::{InstanceLight, RuntimeError, SkyBeams, SkyLight, SpeciesLight};
+use flb_runtime::{InstanceLight, Library, RuntimeError, SkyBeams, SkyLight, SpeciesLight};
 use flb_scene::sky::Sky;
 use rayon::prelude::*;
 
@@ -29,14 +29,39 @@ pub(crate) fn load(
             let sun = *sun;
             placements().map(move |one| one.transform.model_from_world_direction(sun))
         };
-        let light =
-            SpeciesLight::load_for(library, species, suns.iter().flat_map(in_model), look.ambient > 0.0)?;
-        match look.ambient > 0.0 && !light.has_sky() {
-            true => Err(StageError::NoSkyLight { library: library.path().to_owned() }),
-            false => Ok(Some(light)),
-        }
+        load_for(library, species, suns.iter().flat_map(in_model), look.ambient).map(Some)
     };
     stage.plants.iter().enumerate().map(load).collect()
+}
+
+/// The light of a species for suns, in its own frame, and a sky of a strength.
+pub(crate) fn load_for(
+    library: &Library,
+    species: usize,
+    suns: impl IntoIterator<Item = [f64; 3]>,
+    ambient: f32,
+) -> Result<SpeciesLight<'static>, StageError> {
+    let light = SpeciesLight::load_for(library, species, suns, ambient > 0.0)?;
+    match ambient > 0.0 && !light.has_sky() {
+        true => Err(StageError::NoSkyLight { library: library.path().to_owned() }),
+        false => Ok(light),
+    }
+}
+
+/// The light of a plant by day, under an uneven sky or an even one.
+pub(crate) fn by_day<'l>(
+    light: &'l SpeciesLight<'_>,
+    uneven: Option<&'l SkyLight<'l>>,
+    even: f32,
+    lighting: &Lighting,
+    transform: &Transform,
+) -> Result<InstanceLight<'l>, RuntimeError> {
+    let sky = if uneven.is_some() { 0.0 } else { even };
+    let lit = light.lit_by(&Daylight { sky, ..lighting.daylight }, transform)?;
+    Ok(match uneven {
+        Some(sky) => lit.with_sky(sky, lighting.sun_color),
+        None => lit,
+    })
 }
 
 /// Whether what files hold is shown.
@@ -73,7 +98,7 @@ pub(crate) fn skies<'l>(
 }
 
 /// Light of a sky of a strength that the renderer checks later: what it will refuse lights nothing.
-pub fn even_sky(ambient: f32) -> f32 {
+pub(crate) fn even_sky(ambient: f32) -> f32 {
     if ambient > 0.0 && ambient.is_finite() { ambient } else { 0.0 }
 }
 
@@ -97,12 +122,7 @@ pub(crate) fn of_plants<'l>(
     let lit = |(number, one): (u32, &Placement)| -> Result<Option<InstanceLight<'l>>, RuntimeError> {
         let Some(light) = &light[one.species] else { return Ok(None) };
         let uneven = skies.and_then(|skies| skies.over[number as usize].as_ref());
-        let sky = if uneven.is_some() { 0.0 } else { even };
-        let lit = light.lit_by(&Daylight { sky, ..lighting.daylight }, &one.transform)?.for_rays(rays);
-        let lit = match uneven {
-            Some(sky) => lit.with_sky(sky, lighting.sun_color),
-            None => lit,
-        };
+        let lit = by_day(light, uneven, even, lighting, &one.transform)?.for_rays(rays);
         Ok(Some(match shade {
             Some(shade) => lit.with_neighbours(shade, number)?,
             None => lit,

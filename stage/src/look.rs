@@ -89,7 +89,7 @@ impl SceneLook {
 }
 
 /// 1 for a sun that lights a scene; 0 for none, and for one at or below the horizon of a ground.
-pub fn sun_strength(sun_deg: Option<[f64; 2]>, has_ground: bool) -> f32 {
+pub(crate) fn sun_strength(sun_deg: Option<[f64; 2]>, has_ground: bool) -> f32 {
     match sun_deg {
         Some([_, elevation]) if elevation > 0.0 || !has_ground => 1.0,
         _ => 0.0,

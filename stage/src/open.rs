@@ -8,6 +8,7 @@ use flb_render::Shading;
 use flb_runtime::Library;
 use flb_runtime::scene_light::SceneLight;
 use flb_scene::import::{ImportError, import};
+use flb_scene::plant::recorded_settings;
 use flb_scene::scene::{Scene, SceneSpecies};
 use flb_scene::{ClassRules, ClassedMesh, ImportSettings, Mesh, Observer, PlantReader, SpeciesFile};
 
@@ -38,6 +39,30 @@ impl Stage {
     }
 }
 
+impl PlantLight {
+    /// Opens the light that a species of a scene names, in the bands that are shown; `None` where it names none.
+    ///
+    /// # Errors
+    /// [`StageError`] with the file that it is about.
+    pub fn open(species: &SceneSpecies, settings: &OpenSettings) -> Result<Option<PlantLight>, StageError> {
+        let Some(file) = &species.light else { return Ok(None) };
+        let library = Library::open(file)?;
+        let number = scene_species(&library, species).map_err(|error| error.at(file))?;
+        PlantLight::shown(library, number, &settings.bands).map(Some)
+    }
+
+    /// The light of a species, its bands in the place of red, green and blue, as [`OpenSettings::bands`].
+    ///
+    /// # Errors
+    /// [`StageError::At`] the library: [`StageError::Bands`].
+    pub fn shown(library: Library, species: usize, bands: &[String]) -> Result<PlantLight, StageError> {
+        let file = library.path().to_owned();
+        let library = library.with_picture_bands(species, bands);
+        let library = library.map_err(|error| StageError::from(error).at(&file))?;
+        Ok(PlantLight { library: Arc::new(library), species })
+    }
+}
+
 impl ScenePlant {
     /// Reads the mesh and the light that a species of a scene names.
     ///
@@ -48,16 +73,28 @@ impl ScenePlant {
         settings: &OpenSettings,
         observer: &dyn Observer,
     ) -> Result<ScenePlant, StageError> {
+        ScenePlant::with_light(species, PlantLight::open(species, settings)?, settings, observer)
+    }
+
+    /// Reads the mesh that a species of a scene names, to be seen in a light, or without any.
+    ///
+    /// # Errors
+    /// As [`Stage::open`].
+    ///
+    /// # Panics
+    /// As [`ScenePlant::lit`].
+    pub fn with_light(
+        species: &SceneSpecies,
+        light: Option<PlantLight>,
+        settings: &OpenSettings,
+        observer: &dyn Observer,
+    ) -> Result<ScenePlant, StageError> {
         let mesh = mesh_file(species)?;
-        let Some(file) = &species.light else {
-            return Ok(ScenePlant::unlit(read_unlit(mesh, species, observer).map_err(|e| e.at(mesh))?));
+        let Some(light) = light else {
+            let reader = scene_reader(species)?;
+            let classed = read_classed(mesh, &reader, observer)?;
+            return Ok(ScenePlant { read_as: reader.settings, ..ScenePlant::unlit(classed) });
         };
-        let library = Library::open(file)?;
-        let number = find_species(&library, species).map_err(|error| error.at(file))?;
-        let library = library
-            .with_picture_bands(number, &settings.bands)
-            .map_err(|error| StageError::from(error).at(file))?;
-        let light = PlantLight { library: Arc::new(library), species: number };
         let gltf_mesh = species.gltf_mesh.as_deref();
         ScenePlant::lit(mesh, light, gltf_mesh, settings.mesh_may_differ, observer)
     }
@@ -76,7 +113,7 @@ impl ScenePlant {
         mesh_may_differ: bool,
         observer: &dyn Observer,
     ) -> Result<ScenePlant, StageError> {
-        let meta = &light.library.container().species()[light.species].meta;
+        let meta = light.meta();
         let MeshOfLight { mesh, matched } =
             MeshOfLight::read(mesh, meta, gltf_mesh, mesh_may_differ, observer)?;
         if meta.physical().is_some_and(|(_, fields)| fields.field == FieldKind::Total) {
@@ -85,12 +122,14 @@ impl ScenePlant {
                 meta.name
             ));
         }
-        Ok(ScenePlant { mesh, shading: Shading::of(meta), matched: Some(matched), light: Some(light) })
+        let (shading, read_as) = (Shading::of(meta), recorded_settings(meta));
+        Ok(ScenePlant { mesh, read_as, shading, matched: Some(matched), light: Some(light) })
     }
 
     /// A plant that no light is baked for: the sun and the sky alone light it.
     pub fn unlit(mesh: ClassedMesh) -> ScenePlant {
-        ScenePlant { mesh, shading: Shading::UNLIT, light: None, matched: None }
+        let read_as = ImportSettings::default();
+        ScenePlant { mesh, read_as, shading: Shading::UNLIT, light: None, matched: None }
     }
 }
 
@@ -122,38 +161,70 @@ pub fn read_mesh(
     Ok(mesh)
 }
 
-fn read_unlit(
+/// A mesh with its classes. The observer hears what import repaired or ignored, the class of each material and why, and
+/// what of the mesh is there twice and counts once.
+///
+/// # Errors
+/// [`StageError::At`] the file: [`StageError::Import`].
+pub fn read_classed(
     file: &Path,
-    species: &SceneSpecies,
+    reader: &PlantReader,
     observer: &dyn Observer,
 ) -> Result<ClassedMesh, StageError> {
-    let rules = species.species_file.as_deref().map(SpeciesFile::read).transpose()?;
-    let settings = ImportSettings { gltf_mesh: species.gltf_mesh.clone(), ..ImportSettings::default() };
-    let reader = PlantReader::new(rules, settings, ClassRules::default());
-    let (mesh, decisions) = reader.class(read_mesh(file, &reader.settings, observer)?)?;
-    for (material, decision) in mesh.mesh.materials.iter().zip(&decisions) {
+    let at_file = |error: ImportError| StageError::from(error).at(file);
+    let mesh = read_mesh(file, &reader.settings, observer).map_err(at_file)?;
+    let (classed, decisions) = reader.class(mesh).map_err(at_file)?;
+    for (material, decision) in classed.mesh.materials.iter().zip(&decisions) {
         let (name, class) = (&material.name, decision.class.name());
         observer.note(&format!("{}: material {name:?} is {class}: {}", file.display(), decision.rule));
     }
-    for note in mesh.mesh.sheets.notes() {
-        observer.note(&format!("{}: {note}", file.display()));
+    tell_sheets(file, &classed, observer);
+    Ok(classed)
+}
+
+/// Tells what of a mesh is there twice and counts once.
+pub fn tell_sheets(file: &Path, classed: &ClassedMesh, observer: &dyn Observer) {
+    let notes = classed.mesh.sheets.notes();
+    notes.iter().for_each(|note| observer.note(&format!("{}: {note}", file.display())));
+}
+
+/// Reader of the mesh of a scene's species, by the species file that the scene names.
+///
+/// # Errors
+/// [`StageError::Import`] for a species file that cannot be used.
+pub fn scene_reader(species: &SceneSpecies) -> Result<PlantReader, StageError> {
+    let rules = species.species_file.as_deref().map(SpeciesFile::read).transpose()?;
+    let settings = ImportSettings { gltf_mesh: species.gltf_mesh.clone(), ..ImportSettings::default() };
+    Ok(PlantReader::new(rules, settings, ClassRules::default()))
+}
+
+/// The number of a species in its library: the one of a name, which the library has to have; without a name the only
+/// one, or the one that `hint` names.
+///
+/// # Errors
+/// [`StageError::NoSpecies`], [`StageError::ManySpecies`].
+pub fn find_species(library: &Library, name: Option<&str>, hint: Option<&str>) -> Result<usize, StageError> {
+    let all = library.container().species();
+    let found = || all.iter().map(|one| one.meta.name.as_str()).collect::<Vec<_>>().join(", ");
+    let find = |wanted: &str| library.find_species(wanted);
+    match (name, all.len()) {
+        (Some(wanted), _) => {
+            let missing = || StageError::NoSpecies { wanted: wanted.to_owned(), found: found() };
+            find(wanted).ok_or_else(missing)
+        }
+        (None, 1) => Ok(0),
+        (None, count) => hint.and_then(find).ok_or_else(|| StageError::ManySpecies { count, found: found() }),
     }
-    Ok(mesh)
 }
 
 /// The number of a scene's species in its library: by its name, unless it is the only one there.
 ///
 /// # Errors
 /// [`StageError::NoSpecies`].
-pub fn find_species(library: &Library, species: &SceneSpecies) -> Result<usize, StageError> {
-    let all = library.container().species();
-    let wanted = species.light_species.as_deref().unwrap_or(&species.name);
-    match library.find_species(wanted) {
-        Some(number) => Ok(number),
-        None if all.len() == 1 && species.light_species.is_none() => Ok(0),
-        None => Err(StageError::NoSpecies {
-            wanted: wanted.to_owned(),
-            found: all.iter().map(|one| one.meta.name.as_str()).collect::<Vec<_>>().join(", "),
-        }),
-    }
+pub fn scene_species(library: &Library, species: &SceneSpecies) -> Result<usize, StageError> {
+    let name = &species.name;
+    find_species(library, species.light_species.as_deref(), Some(name)).map_err(|error| match error {
+        StageError::ManySpecies { found, .. } => StageError::NoSpecies { wanted: name.clone(), found },
+        error => error,
+    })
 }

@@ -2,10 +2,10 @@
 
 use std::sync::Arc;
 
-use flb_format::MeshMatch;
+use flb_format::{MeshMatch, SpeciesMeta};
 use flb_render::{Shading, Species, Units};
 use flb_runtime::Library;
-use flb_scene::ClassedMesh;
+use flb_scene::{ClassedMesh, ImportSettings};
 
 /// The light of a species: where it is.
 #[derive(Clone)]
@@ -16,10 +16,19 @@ pub struct PlantLight {
     pub species: usize,
 }
 
+impl PlantLight {
+    /// Metadata of the species.
+    pub fn meta(&self) -> &SpeciesMeta {
+        &self.library.container().species()[self.species].meta
+    }
+}
+
 /// A species of a scene, as its files have it.
 pub struct ScenePlant {
     /// Mesh as it was baked.
     pub mesh: ClassedMesh,
+    /// Units, axes and parts that the mesh was read by.
+    pub read_as: ImportSettings,
     /// Shading by the light; [`Shading::UNLIT`] without any.
     pub shading: Shading,
     /// Light of the plant; `None` where no light is baked for it.
@@ -65,13 +74,11 @@ impl ScenePlant {
     /// Whether its fields are harmonics, all of which each sun needs. Of others a stream brings what the sun needs
     /// alone.
     pub(crate) fn is_of_harmonics(&self) -> bool {
-        let Some((library, index)) = self.library() else { return false };
-        library.container().species()[index].meta.model.suns().first_near_item().is_some()
+        self.light.as_ref().is_some_and(|light| light.meta().model.suns().first_near_item().is_some())
     }
 
     /// The name of the model of its light.
     pub fn model(&self) -> Option<&'static str> {
-        let (library, index) = self.library()?;
-        Some(library.container().species()[index].meta.model.name())
+        Some(self.light.as_ref()?.meta().model.name())
     }
 }

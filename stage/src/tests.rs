@@ -2,11 +2,12 @@ use std::sync::{Arc, Mutex};
 
 use flb_fixtures::{PlantKind, grow};
 use flb_format::{Codec, Eye, SunBasis};
-use flb_render::{Look, Picture, Units};
+use flb_render::{Indirect, Look, Picture, Portrait, Units};
 use flb_scene::scene::{Camera, Ground, Scene, SceneSky, SceneSpecies, Suns, Terrain};
-use flb_scene::{ClassedMesh, Observer, Unobserved};
+use flb_scene::{ClassedMesh, ImportSettings, Observer, Unobserved};
 use flb_testkit::{plants, scenes};
 
+use crate::open::{find_species, scene_species};
 use crate::stream::{Painter, Shot, Show};
 use crate::*;
 
@@ -23,6 +24,7 @@ fn stand_of(suns: &SunBasis) -> Stage {
     let library = Arc::new(scenes::library(&lit, Codec::Classed));
     let plant = |(kind, species)| ScenePlant {
         mesh: ClassedMesh { mesh: scenes::plant(kind, 600), classes: scenes::CLASSES.to_vec() },
+        read_as: ImportSettings::default(),
         shading: scenes::physical(),
         light: Some(PlantLight { library: Arc::clone(&library), species }),
         matched: None,
@@ -89,6 +91,50 @@ fn streamed_light_that_is_all_there_makes_the_frame_of_whole_files() {
         pictures.push(found);
     }
     assert!(apart(&pictures[1], &pictures[2]) > 0.01, "skies differ");
+}
+
+#[test]
+fn of_a_plant_alone_direct_and_indirect_light_make_the_picture() {
+    let stage = stand_of(&SunBasis::Harmonics { degree: 2, single: true });
+    let plant = &stage.plants[0];
+    let light = plant.light.as_ref().expect("it has some");
+    let picture = |indirect, sky: StageSky| {
+        let [width, height] = SIZE;
+        let portrait = Portrait { width, height, samples: 2, ..Portrait::default() };
+        let look = Look { indirect, ..Look::default() };
+        let look = PlantLook { portrait, look, ambient: None, sky, is_path_traced: false };
+        let renderer = PlantRenderer::new(&plant.mesh, light, look, &[SUN_DEG]).expect("it is read");
+        renderer.picture(Some(SUN_DEG), &Unobserved).expect("a picture")
+    };
+    let [on, off, only] =
+        [Indirect::On, Indirect::Off, Indirect::Only].map(|part| picture(part, StageSky::Even));
+    let sum = Picture { rgb: off.rgb.iter().zip(&only.rgb).map(|(a, b)| a + b).collect(), ..off.clone() };
+    assert!(apart(&on, &sum) < 1e-4, "{}", apart(&on, &sum));
+    assert!(apart(&on, &off) > 0.01 && apart(&on, &only) > 0.01);
+    let clear = picture(Indirect::Only, StageSky::clear(3.0).expect("a sky"));
+    assert!(apart(&clear, &only) > 1e-3, "skies differ");
+}
+
+#[test]
+fn a_species_is_the_named_one_else_the_only_one_else_the_one_that_is_hinted_at() {
+    let library = |names: &[&str]| {
+        scenes::library(&names.iter().map(|name| (*name, None)).collect::<Vec<_>>(), Codec::Classed)
+    };
+    let (one, two) = (library(&["a"]), library(&["a", "b"]));
+    assert_eq!(find_species(&two, Some("b"), Some("a")).expect("it is there"), 1);
+    assert_eq!(find_species(&one, None, Some("c")).expect("it is the only one"), 0);
+    assert_eq!(find_species(&two, None, Some("b")).expect("it is there"), 1);
+    let refused = |name, hint| find_species(&two, name, hint).expect_err("it is not there").to_string();
+    assert_eq!(refused(Some("c"), None), "no species is named \"c\"; there are: a, b");
+    assert_eq!(refused(None, Some("c")), "holds 2 species, expected the name of one of them: a, b");
+    let of_scene = |light_species: Option<&str>| SceneSpecies {
+        name: "c".to_owned(),
+        light_species: light_species.map(str::to_owned),
+        ..stand().scene.species[0].clone()
+    };
+    assert_eq!(scene_species(&two, &of_scene(Some("b"))).expect("it is there"), 1);
+    let error = scene_species(&two, &of_scene(None)).expect_err("it is not there").to_string();
+    assert_eq!(error, "no species is named \"c\"; there are: a, b");
 }
 
 #[test]

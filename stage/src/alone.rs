@@ -1,0 +1,133 @@
+//! Pictures of a plant alone, in the light of a file: a forest of one, before a camera that frames it.
+//!
+//! What is asked of one plant is asked many times, so that what a forest has no time for pays here: the near beam of a
+//! sun is found at all sites at once, and an uneven sky is taken with its finest detail.
+
+use flb_format::Transform;
+use flb_format::sun::towards_sun;
+use flb_render::{
+    Indirect, LightQuery, Lighting, Look, Picture, Portrait, Shading, Species, Units, render_plant,
+    render_reference,
+};
+use flb_runtime::{InstanceLight, LightCursors, SpeciesLight};
+use flb_scene::sky::Sky;
+use flb_scene::{ClassedMesh, Observer, Step};
+
+use crate::frames::subject;
+use crate::light::{by_day, even_sky, load_for};
+use crate::look::sun_strength;
+use crate::{PlantLight, StageError, StageSky};
+
+/// Size, direction and light of the pictures of a plant alone.
+#[derive(Debug, Clone)]
+pub struct PlantLook {
+    /// Size, and direction of the camera.
+    pub portrait: Portrait,
+    /// Parts of the light that are shown.
+    pub look: Look,
+    /// Light of the sky, as [`LookSettings::ambient`](crate::LookSettings::ambient); `None` is the default of the
+    /// plant's light.
+    pub ambient: Option<f32>,
+    /// The sky.
+    pub sky: StageSky,
+    /// Whether light is followed by paths on the mesh, in place of the file's: what that is judged by.
+    pub is_path_traced: bool,
+}
+
+/// Takes pictures of a plant alone.
+pub struct PlantRenderer<'p> {
+    plant: Species<'p>,
+    look: PlantLook,
+    /// Of the file; `None` where pictures show none of it.
+    light: Option<SpeciesLight<'static>>,
+}
+
+impl PlantLook {
+    /// Strength of a sun: nothing comes through the ground.
+    fn sun_strength(&self, sun_deg: Option<[f64; 2]>) -> f32 {
+        sun_strength(sun_deg, self.portrait.has_ground)
+    }
+
+    /// Light of an even sky.
+    fn even_ambient(&self, units: Units) -> f32 {
+        self.ambient.unwrap_or(units.default_sky())
+    }
+}
+
+impl<'p> PlantRenderer<'p> {
+    /// Loads what pictures under these suns, azimuths and elevations in degrees, show of the light of a file, whose
+    /// first three bands are shown.
+    ///
+    /// # Errors
+    /// [`StageError::NoSkyLight`], [`StageError::Runtime`].
+    ///
+    /// # Panics
+    /// If the species has fewer than three bands.
+    pub fn new(
+        mesh: &'p ClassedMesh,
+        light: &PlantLight,
+        look: PlantLook,
+        suns_deg: &[[f64; 2]],
+    ) -> Result<PlantRenderer<'p>, StageError> {
+        let ClassedMesh { mesh, classes } = mesh;
+        let plant = Species { mesh, classes, shading: Shading::of(light.meta()) };
+        let shows_fields = !look.is_path_traced && look.look.indirect != Indirect::Off;
+        let light = match shows_fields {
+            false => None,
+            true => {
+                let lit = suns_deg.iter().filter(|sun| look.sun_strength(Some(**sun)) > 0.0);
+                let suns = lit.map(|[azimuth, elevation]| towards_sun(*azimuth, *elevation));
+                let ambient = look.even_ambient(plant.shading.units());
+                Some(load_for(&light.library, light.species, suns, ambient)?)
+            }
+        };
+        Ok(PlantRenderer { plant, look, light })
+    }
+
+    /// The picture under a sun, linear; without one, in the light of the sky alone.
+    ///
+    /// # Errors
+    /// [`StageError::UnevenSkyOverPaper`], [`StageError::Sky`], [`StageError::Render`], [`StageError::Runtime`].
+    pub fn picture(&self, sun_deg: Option<[f64; 2]>, observer: &dyn Observer) -> Result<Picture, StageError> {
+        let PlantRenderer { plant, look: PlantLook { portrait, look, .. }, .. } = self;
+        let lighting = self.lighting(sun_deg)?;
+        let subject = subject(sun_deg);
+        if self.look.is_path_traced {
+            let trace = |progress: &(dyn Fn(f64) + Sync)| {
+                render_reference(plant, portrait, &lighting, look, progress)
+            };
+            return Ok(Step::Render.run(observer, &subject, trace)?.picture);
+        }
+        let sky = match (&lighting.dome, &self.light) {
+            (Some(dome), Some(light)) => {
+                let find = |dome: &Sky| light.sky(&dome.patches(), &Transform::IDENTITY);
+                Some(Step::Sky.run(observer, &subject, |_| find(dome))?)
+            }
+            _ => None,
+        };
+        let prepare = |light| -> Result<InstanceLight<'_>, StageError> {
+            let even = even_sky(lighting.daylight.sky);
+            let lit = by_day(light, sky.as_ref(), even, &lighting, &Transform::IDENTITY)?;
+            Ok(match plant.shading.surfaces() {
+                None => lit,
+                Some(_) => Step::Prepare.run(observer, "", |_| lit.prepared()),
+            })
+        };
+        let lit = self.light.as_ref().map(prepare).transpose()?;
+        let cursors = LightCursors::new(std::slice::from_ref(&lit));
+        let light = |LightQuery { point, facing, .. }: LightQuery, phi: &mut [f32; 3]| {
+            cursors.at_facing(0, point, facing, phi);
+        };
+        let render = |progress: &(dyn Fn(f64) + Sync)| {
+            render_plant(plant, portrait, &lighting, look, &light, progress)
+        };
+        Ok(Step::Render.run(observer, &subject, render)?)
+    }
+
+    fn lighting(&self, sun_deg: Option<[f64; 2]>) -> Result<Lighting, StageError> {
+        let PlantLook { ambient, sky, .. } = &self.look;
+        let units = self.plant.shading.units();
+        let sun = (sun_deg, self.look.sun_strength(sun_deg));
+        sky.lighting(sun, (self.look.even_ambient(units), *ambient), units)
+    }
+}
