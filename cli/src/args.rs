@@ -23,15 +23,20 @@ mod view;
 use std::path::PathBuf;
 
 use clap::{Args, Parser, Subcommand, ValueEnum};
+use flb_fixtures::PlantKind;
+use flb_format::Quality;
+use flb_inspector::validate::Level;
+use flb_scene::color::ColorSource;
+use flb_scene::import::Up;
 
 pub(crate) use bake::{BackendArg, BakeArgs, SolverArg};
 pub(crate) use bake_scene::BakeSceneArgs;
 pub(crate) use bands::BandArgs;
 pub(crate) use coding::CodingArgs;
 pub(crate) use judge::JudgeArgs;
-pub(crate) use model::{FieldArg, LeafAnglesArg, ModelArg, ModelArgs};
+pub(crate) use model::{ModelArg, ModelArgs};
 pub(crate) use plan::PlanArgs;
-pub(crate) use render::{IndirectArg, RenderArgs, RenderBackendArg};
+pub(crate) use render::{RenderArgs, RenderBackendArg};
 pub(crate) use scatter::{ScatterArgs, SpeciesArg};
 pub(crate) use scene::SceneArgs;
 pub(crate) use sky::SkyArgs;
@@ -40,8 +45,6 @@ pub(crate) use torture::TortureArgs;
 pub(crate) use trade::TradeArgs;
 #[cfg(feature = "view")]
 pub(crate) use view::ViewArgs;
-
-pub(crate) use preset::QualityArg;
 
 /// Precomputed plant lighting: bake a plant mesh, keep its light in a .flb file, relight it anywhere.
 #[derive(Parser)]
@@ -144,7 +147,7 @@ pub(crate) struct MeshArgs {
     pub ignore: Vec<String>,
     /// Axis that points up in the mesh file [default: the species file's, else y]
     #[arg(long, value_enum)]
-    pub up: Option<UpArg>,
+    pub up: Option<Up>,
     /// Unit of the mesh file: m, cm, mm, in, ft, or metres as a number [default: the species file's, else m]
     #[arg(long, value_name = "UNIT", value_parser = flb_scene::parse_unit)]
     pub unit: Option<f64>,
@@ -159,23 +162,7 @@ pub(crate) struct MeshArgs {
     /// Where the colour of leaves comes from: their texture (or base colour), which is what they reflect, or measured
     /// leaves, of which the texture is a tint [default: the species file's, else measured where the two are near]
     #[arg(long, visible_alias = "leaf-color", value_enum, value_name = "SOURCE")]
-    pub leaf_colour: Option<LeafColourArg>,
-}
-
-#[derive(Clone, Copy, ValueEnum)]
-pub(crate) enum LeafColourArg {
-    /// A texel is the reflectance
-    Texture,
-    /// A texel tints the measured reflectance
-    Measured,
-}
-
-#[derive(Clone, Copy, ValueEnum)]
-pub(crate) enum UpArg {
-    /// +Y up, as in glTF
-    Y,
-    /// +Z up, as in many modelling programs
-    Z,
+    pub leaf_colour: Option<ColorSource>,
 }
 
 #[derive(Args)]
@@ -218,7 +205,7 @@ pub(crate) struct PackArgs {
     /// Error of a preset of `flb bake`: 38, 45, 52 or 60 dB; of haar-paper a threshold of 0.05, 0.02, 0.005 or 0
     /// [default: standard]
     #[arg(long, value_enum, value_name = "PRESET", conflicts_with_all = ["threshold", "target_psnr", "target_error"])]
-    pub quality: Option<QualityArg>,
+    pub quality: Option<Quality>,
     #[command(flatten)]
     pub coding: CodingArgs,
     #[command(flatten)]
@@ -266,23 +253,11 @@ pub(crate) struct ValidateArgs {
     #[arg(required = true, value_name = "FILE")]
     pub files: Vec<PathBuf>,
     /// How deep to look; each level includes the ones before it
-    #[arg(long, value_enum, default_value_t = LevelArg::Decode)]
-    pub level: LevelArg,
+    #[arg(long, value_enum, default_value_t = Level::Decode)]
+    pub level: Level,
     /// Print as JSON (schema: cli/schema/validate.json)
     #[arg(long)]
     pub json: bool,
-}
-
-#[derive(Clone, Copy, ValueEnum)]
-pub(crate) enum LevelArg {
-    /// The header
-    Header,
-    /// Table of contents, page tables and metadata
-    Tables,
-    /// Every page's digest
-    Pages,
-    /// Every page's content
-    Decode,
 }
 
 #[derive(Args)]
@@ -345,7 +320,7 @@ pub(crate) enum VolumeFormat {
 pub(crate) struct GrowArgs {
     /// The plant to grow
     #[arg(value_enum, value_name = "SPECIES")]
-    pub plant: PlantArg,
+    pub plant: PlantKind,
     /// Another seed grows another plant of the species
     #[arg(long, default_value_t = 1, value_name = "N")]
     pub seed: u64,
@@ -380,21 +355,35 @@ pub(crate) struct DoctorArgs {
     pub json: bool,
 }
 
-#[derive(Clone, Copy, PartialEq, Eq, ValueEnum)]
-pub(crate) enum PlantArg {
-    Oak,
-    Spruce,
-    Shrub,
-    LeafCard,
-}
-
 #[cfg(test)]
 mod tests {
-    use super::*;
     use clap::CommandFactory;
+    use flb_format::{Codec, FieldKind};
+    use flb_transport::ordinates::NamedSuns;
+
+    use super::*;
 
     #[test]
     fn command_line_is_consistent() {
         Cli::command().debug_assert();
+    }
+
+    #[test]
+    fn values_of_flags_are_the_names_that_libraries_give_them() {
+        fn check<T: ValueEnum>(name: impl Fn(&T) -> &'static str) {
+            for value in T::value_variants() {
+                let word = value.to_possible_value().expect("none is hidden");
+                assert_eq!(word.get_name(), name(value));
+            }
+        }
+        check(|codec: &Codec| codec.name());
+        check(|color: &ColorSource| color.name());
+        check(|field: &FieldKind| field.name());
+        check(|plant: &PlantKind| plant.name());
+        check(|quality: &Quality| quality.name());
+        check(|suns: &NamedSuns| suns.name());
+        check(|up: &Up| up.name());
+        let named = |level: &Level| Level::ALL.into_iter().find(|(of, _)| of == level);
+        check(|level: &Level| named(level).expect("all are listed").1);
     }
 }

@@ -2,14 +2,13 @@
 
 use std::path::{Path, PathBuf};
 
-use flb_scene::color::ColorSource;
-use flb_scene::import::{ImportSettings, Up};
+use flb_scene::import::ImportSettings;
 use flb_scene::plant::{ClassedMesh, PlantReader};
 use flb_scene::scene::SceneSpecies;
 use flb_scene::{ClassRules, Mesh, Observer, SpeciesFile, Unobserved};
 use flb_stage::open;
 
-use crate::args::{LeafColourArg, MeshArgs, UpArg};
+use crate::args::MeshArgs;
 use crate::exit::Failure;
 use crate::inputs::check_local;
 use crate::mesh_of_light::Said;
@@ -28,20 +27,13 @@ impl MeshReader {
     /// From the flags, and the species file that they name.
     pub(crate) fn new(args: &MeshArgs) -> Result<MeshReader, Failure> {
         let species = args.species.as_deref().map(SpeciesFile::read).transpose()?;
-        let up = args.up.map(|up| match up {
-            UpArg::Y => Up::Y,
-            UpArg::Z => Up::Z,
-        });
         let (gltf_mesh, nodes) = (args.gltf_mesh.clone(), args.node.clone());
         let settings =
-            ImportSettings { up, unit_m: args.unit, gltf_mesh, nodes, ..ImportSettings::default() };
+            ImportSettings { up: args.up, unit_m: args.unit, gltf_mesh, nodes, ..ImportSettings::default() };
         let (leaf, wood, ignore) = (args.leaf.clone(), args.wood.clone(), args.ignore.clone());
         let rules = ClassRules { leaf, wood, ignore, ..ClassRules::default() };
         let mut plants = PlantReader::new(species, settings, rules);
-        plants.colors.flag = args.leaf_colour.map(|source| match source {
-            LeafColourArg::Texture => ColorSource::Texture,
-            LeafColourArg::Measured => ColorSource::Measured,
-        });
+        plants.colors.flag = args.leaf_colour;
         Ok(MeshReader { plants, quiet: false, mend: Mend::Flags })
     }
 

@@ -21,7 +21,7 @@ use crate::exit::{Failure, USAGE};
 use crate::inputs::{check_local, check_output_of, open, read_scene};
 use crate::memory::{check, check_plants, sampler_bytes};
 use crate::mesh_of_light::Said;
-use crate::picture::{PictureFormat, Rendered, indirect, picture_format, write};
+use crate::picture::{PictureFormat, Rendered, picture_format, write};
 use crate::print::{self, line};
 use crate::size::{Measured, Mend};
 use crate::sky::read_sky;
@@ -95,7 +95,7 @@ pub(crate) fn run(args: &RenderArgs) -> Result<u8, Failure> {
         samples: args.samples.unwrap_or(4),
         ambient: args.ambient,
         look: Look {
-            indirect: indirect(args.indirect),
+            indirect: args.indirect,
             indirect_scale: args.indirect_scale.unwrap_or(default.indirect_scale),
             ..default
         },

@@ -1,10 +1,10 @@
 //! `flb grow`: a built-in plant as a GLB file.
 
 use flb_files::publish;
-use flb_fixtures::{PlantKind, autumn, grow, potted};
+use flb_fixtures::{autumn, grow, potted};
 use serde::Serialize;
 
-use crate::args::{GrowArgs, PlantArg};
+use crate::args::GrowArgs;
 use crate::exit::Failure;
 use crate::inputs::check_output;
 use crate::print::{self, line};
@@ -23,12 +23,7 @@ struct Grown {
 /// Grows, writes, says what was written.
 pub(crate) fn run(args: &GrowArgs) -> Result<u8, Failure> {
     check_output(&args.output, &[], args.force)?;
-    let kind = match args.plant {
-        PlantArg::Oak => PlantKind::Oak,
-        PlantArg::Spruce => PlantKind::Spruce,
-        PlantArg::Shrub => PlantKind::Shrub,
-        PlantArg::LeafCard => PlantKind::LeafCard,
-    };
+    let kind = args.plant;
     let plant = kind.name();
     let grown = grow(kind, args.seed, args.triangles.unwrap_or(kind.default_triangles()))?;
     let grown = if args.autumn { autumn(grown) } else { grown };

@@ -4,7 +4,7 @@ use std::path::Path;
 
 use flb_baker::plan::Plan;
 use flb_format::container::Species;
-use flb_format::{BaseSet, Codec, Quality};
+use flb_format::{BaseSet, Codec};
 use flb_packer::leave_out::{keep_bases, keep_coded_bases};
 use flb_packer::{Copier, EncodeSettings, EncodedSpecies, encode_species, load_species, write_library};
 use flb_scene::Step;
@@ -183,5 +183,5 @@ fn settings(args: &PackArgs) -> Result<Option<EncodeSettings>, Failure> {
         let message = format!("--codec {} drops no detail; it takes no --quality", codec.name());
         return Err(Failure::new(USAGE, message));
     }
-    args.coding.settings(args.quality.map_or(Quality::default(), Quality::from)).map(Some)
+    args.coding.settings(args.quality.unwrap_or_default()).map(Some)
 }

@@ -3,11 +3,11 @@
 use std::path::Path;
 
 use flb_files::publish;
-use flb_render::{Indirect, Picture};
+use flb_render::Picture;
 use flb_runtime::Library;
 use serde::Serialize;
 
-use crate::args::{BandArgs, IndirectArg};
+use crate::args::BandArgs;
 use crate::exit::{Failure, USAGE};
 use crate::stages::Stage;
 
@@ -55,15 +55,6 @@ pub(crate) fn write(
         PictureFormat::Exr => picture.to_exr()?,
     };
     Ok(publish(output, force, |file| file.write_all(&bytes))?)
-}
-
-/// Which part of the light the flag asks for.
-pub(crate) fn indirect(arg: IndirectArg) -> Indirect {
-    match arg {
-        IndirectArg::On => Indirect::On,
-        IndirectArg::Off => Indirect::Off,
-        IndirectArg::Only => Indirect::Only,
-    }
 }
 
 #[derive(Clone, Copy)]

@@ -15,7 +15,7 @@ use crate::exit::{Failure, USAGE};
 use crate::inputs::{check_output_of, choose_species, open};
 use crate::memory::{check, sampler_bytes};
 use crate::mesh_of_light::{MeshOfLight, check_fit, mesh_of_species};
-use crate::picture::{Difference, Rendered, indirect, picture_format, write};
+use crate::picture::{Difference, Rendered, picture_format, write};
 use crate::print::{self, line, say};
 use crate::sky::{read_sky, sky_file};
 use crate::stages::Stages;
@@ -200,7 +200,7 @@ fn look(args: &RenderArgs, meta: &SpeciesMeta, sky: &StageSky) -> Result<(PlantL
             ..Portrait::default()
         },
         look: Look {
-            indirect: indirect(args.indirect),
+            indirect: args.indirect,
             indirect_scale: args.indirect_scale.unwrap_or(default.indirect_scale),
             ..default
         },

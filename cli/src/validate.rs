@@ -5,7 +5,7 @@ use flb_inspector::validate::{Issue, Level, Report, validate};
 use flb_runtime::{FileSource, Location, RuntimeError, retry_replaced};
 use serde::Serialize;
 
-use crate::args::{LevelArg, ValidateArgs};
+use crate::args::ValidateArgs;
 use crate::exit::{Failure, INPUT_OUTPUT, LIMIT, UNSUPPORTED, USAGE, VERDICT};
 use crate::print::{self, line, say};
 
@@ -38,12 +38,7 @@ struct FileIssue {
 /// Checks every file, prints every verdict. Exits with the gravest: an environment that says nothing usable of s3, then
 /// unreadable, then invalid, then unsupported or over a limit.
 pub(crate) fn run(args: &ValidateArgs) -> Result<u8, Failure> {
-    let level = match args.level {
-        LevelArg::Header => Level::Header,
-        LevelArg::Tables => Level::Tables,
-        LevelArg::Pages => Level::Pages,
-        LevelArg::Decode => Level::Decode,
-    };
+    let level = args.level;
     let mut code = 0;
     let mut verdicts = Verdicts { valid: Some(true), issues: Vec::new(), files: Vec::new() };
     let locations = args.files.iter().map(Location::parse).collect::<Result<Vec<_>, _>>()?;

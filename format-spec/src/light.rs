@@ -41,6 +41,7 @@ pub const MAX_SOLID_OFFSET: f64 = 2.0;
 /// Content of a field of the sun's light: with or without the uncollided beam.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "lowercase")]
+#[cfg_attr(feature = "clap", derive(clap::ValueEnum))]
 pub enum FieldKind {
     /// Light that was scattered once or more; a renderer adds the beam by its shadow rays.
     Scattered,

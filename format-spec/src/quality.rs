@@ -5,6 +5,7 @@ use std::fmt;
 /// A word that bake and coding both follow. What it stands for is with those who use it: `flb_baker::BakeSettings::of`
 /// for lattice and solve, `flb_packer::EncodeSettings::of` for the error of the coding.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default)]
+#[cfg_attr(feature = "clap", derive(clap::ValueEnum))]
 pub enum Quality {
     /// Quality to try a plant: seconds, and a small file.
     Draft,
@@ -12,8 +13,10 @@ pub enum Quality {
     #[default]
     Standard,
     /// Coding errors hardly seen.
+    #[cfg_attr(feature = "clap", value(alias = "high"))]
     Fine,
     /// Highest accuracy of a bake.
+    #[cfg_attr(feature = "clap", value(alias = "lossless"))]
     Reference,
 }
 

@@ -23,6 +23,7 @@ pub struct Lighting {
 
 /// Part of the light that is shown. In linear light `Off` + `Only` = `On`.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[cfg_attr(feature = "clap", derive(clap::ValueEnum))]
 pub enum Indirect {
     /// Direct and indirect light, and the background.
     On,

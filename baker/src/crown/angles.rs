@@ -8,16 +8,17 @@ use flb_transport::turbid::{INCLINATIONS, LeafAngles};
 
 /// Distribution of leaf inclinations that is assumed.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+#[cfg_attr(feature = "clap", derive(clap::ValueEnum))]
 pub enum LeafAngleChoice {
+    /// Inclinations of the leaf triangles of the mesh; spherical where it has none.
+    #[default]
+    Measured,
     /// Randomly oriented: extinction is the same in all directions.
     Spherical,
     /// Mostly flat.
     Planophile,
     /// Mostly upright.
     Erectophile,
-    /// Inclinations of the leaf triangles of the mesh; spherical where it has none.
-    #[default]
-    Measured,
 }
 
 impl LeafAngleChoice {

@@ -7,8 +7,6 @@ use clap::{Args, ValueEnum};
 use super::{CodingArgs, MeshArgs, ModelArgs};
 use flb_format::Quality;
 
-use super::QualityArg;
-
 #[derive(Args)]
 pub(crate) struct BakeArgs {
     /// glTF, GLB or OBJ files; each becomes a species named after its file
@@ -25,7 +23,7 @@ pub(crate) struct BakeArgs {
     pub name: Vec<String>,
     // The help comes from the table of presets.
     #[arg(long, value_enum, value_name = "PRESET", help = super::preset::help())]
-    pub quality: Option<QualityArg>,
+    pub quality: Option<Quality>,
     /// Sites along each edge of the lattice: a power of two, 16 to 256 [default: the plan's, else the preset's];
     /// refused where the plan chooses one
     #[arg(long, value_name = "N")]
@@ -101,6 +99,6 @@ pub(crate) enum BackendArg {
 impl BakeArgs {
     /// What `--quality` stands for here.
     pub(crate) fn quality(&self) -> Quality {
-        self.quality.map_or(Quality::default(), Quality::from)
+        self.quality.unwrap_or_default()
     }
 }

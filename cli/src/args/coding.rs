@@ -1,6 +1,6 @@
 //! Flags that say how closely a file keeps the fields.
 
-use clap::{Args, ValueEnum};
+use clap::Args;
 use flb_format::{Codec, Quality};
 use flb_packer::EncodeSettings;
 use flb_packer::rate::Target;
@@ -11,7 +11,7 @@ use crate::exit::{Failure, USAGE};
 pub(crate) struct CodingArgs {
     /// Codec of the light [default: classed; haar-paper where --threshold is given]
     #[arg(long, value_enum)]
-    pub codec: Option<CodecArg>,
+    pub codec: Option<Codec>,
     /// Code to this peak signal to noise of samples at surfaces, of each base to its own peak; of classed and haar
     /// [default: the preset's, and its relative error]
     #[arg(long, value_name = "DB")]
@@ -30,32 +30,6 @@ pub(crate) struct CodingArgs {
     /// Compress every page with zstd where that makes it smaller [default: true for classed and haar]
     #[arg(long, value_name = "BOOL", num_args = 0..=1, require_equals = true, default_missing_value = "true")]
     pub compress: Option<bool>,
-}
-
-#[derive(Clone, Copy, PartialEq, Eq, Debug, ValueEnum)]
-pub(crate) enum CodecArg {
-    /// Blocks near geometry, quantised to an error, coefficients by the class of their block: the smallest
-    Classed,
-    /// Haar blocks near geometry, quantised to an error, coefficients under 64-bit masks
-    Haar,
-    /// The papers' Haar blocks
-    HaarPaper,
-    /// Plain 32-bit floats
-    RawF32,
-    /// 16-bit floats, rounded to nearest; values above 65504 are refused
-    RawF16,
-}
-
-impl CodecArg {
-    fn codec(self) -> Codec {
-        match self {
-            CodecArg::Classed => Codec::Classed,
-            CodecArg::Haar => Codec::Haar,
-            CodecArg::HaarPaper => Codec::HaarPaper,
-            CodecArg::RawF32 => Codec::RawF32,
-            CodecArg::RawF16 => Codec::RawF16,
-        }
-    }
 }
 
 impl CodingArgs {
@@ -77,8 +51,8 @@ impl CodingArgs {
 
     /// The codec that the flags ask for.
     pub(crate) fn codec(&self) -> Codec {
-        let usual = if self.threshold.is_some() { CodecArg::HaarPaper } else { CodecArg::Classed };
-        self.codec.unwrap_or(usual).codec()
+        let usual = if self.threshold.is_some() { Codec::HaarPaper } else { Codec::Classed };
+        self.codec.unwrap_or(usual)
     }
 
     /// What the flags ask for, and the preset where they do not.

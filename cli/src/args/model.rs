@@ -1,6 +1,8 @@
 //! Flags of `flb bake` that choose the light transport model.
 
 use clap::{Args, ValueEnum};
+use flb_baker::crown::LeafAngleChoice;
+use flb_format::FieldKind;
 use flb_transport::monte_carlo::judge::MAX_SUNS;
 use flb_transport::ordinates::NamedSuns;
 
@@ -26,10 +28,10 @@ pub(crate) struct ModelArgs {
     pub cut_sites: Option<bool>,
     /// What a field of the sun's light holds; `physical` only [default: scattered]
     #[arg(long, value_enum)]
-    pub field: Option<FieldArg>,
+    pub field: Option<FieldKind>,
     /// How leaves are inclined; `physical` only [default: measured]
     #[arg(long, value_enum)]
-    pub leaf_angles: Option<LeafAnglesArg>,
+    pub leaf_angles: Option<LeafAngleChoice>,
     /// Trace this many suns (0 to 22) by Monte Carlo in the same medium, each with two seeds, print how far the light
     /// is off, and keep it in the file, for `flb info`; `physical` only
     #[arg(long, value_name = "SUNS", default_value_t = 0, value_parser = clap::value_parser!(u8).range(0..=MAX_SUNS as i64))]
@@ -38,32 +40,12 @@ pub(crate) struct ModelArgs {
 
 #[derive(Clone, Copy, PartialEq, Eq, Default, ValueEnum)]
 pub(crate) enum ModelArg {
-    #[default]
     /// Extinction measured on the mesh, surfaces from data, directions marched through the plant
+    #[default]
     Physical,
     /// The lattice-Boltzmann model of Steele and Geist (2009), with the points that it leaves open settled as
     /// docs/lighting-model.md says
     Paper,
-}
-
-#[derive(Clone, Copy, PartialEq, Eq, ValueEnum)]
-pub(crate) enum FieldArg {
-    /// Light that was scattered at least once; renderers add the sun's beam by shadow rays
-    Scattered,
-    /// The sun's beam as well
-    Total,
-}
-
-#[derive(Clone, Copy, PartialEq, Eq, ValueEnum)]
-pub(crate) enum LeafAnglesArg {
-    /// As the mesh's leaves are
-    Measured,
-    /// At random
-    Spherical,
-    /// Mostly flat
-    Planophile,
-    /// Mostly upright
-    Erectophile,
 }
 
 impl ModelArgs {

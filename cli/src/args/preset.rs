@@ -1,36 +1,9 @@
 //! What `--quality` stands for on the command line: a word, and in `--help` every flag that it sets.
 
-use clap::ValueEnum;
 use flb_baker::bake::{BakeSettings, PaperSettings, PhysicalSettings};
 use flb_format::Quality;
 use flb_packer::CodingPreset;
 use flb_transport::ordinates::NamedSuns;
-
-/// A quality as a flag's value.
-#[derive(Clone, Copy, PartialEq, Eq, Debug, ValueEnum)]
-pub(crate) enum QualityArg {
-    /// To try a plant: seconds, and a small file
-    Draft,
-    /// For use
-    Standard,
-    /// Coding errors hardly seen
-    #[value(alias = "high")]
-    Fine,
-    /// As exact as a bake can be
-    #[value(alias = "lossless")]
-    Reference,
-}
-
-impl From<QualityArg> for Quality {
-    fn from(word: QualityArg) -> Quality {
-        match word {
-            QualityArg::Draft => Quality::Draft,
-            QualityArg::Standard => Quality::Standard,
-            QualityArg::Fine => Quality::Fine,
-            QualityArg::Reference => Quality::Reference,
-        }
-    }
-}
 
 /// A quality as the values of flags.
 pub(crate) struct Preset {
@@ -102,6 +75,7 @@ pub(super) fn help() -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use clap::ValueEnum;
 
     #[test]
     fn the_table_of_the_book_is_this_one() {
@@ -130,9 +104,9 @@ mod tests {
     #[test]
     fn every_preset_goes_by_its_name_and_two_by_their_former_ones() {
         for quality in Quality::ALL {
-            assert_eq!(QualityArg::from_str(quality.name(), false).map(Quality::from), Ok(quality));
+            assert_eq!(Quality::from_str(quality.name(), false), Ok(quality));
         }
-        assert_eq!(QualityArg::from_str("high", false), Ok(QualityArg::Fine));
-        assert_eq!(QualityArg::from_str("lossless", false), Ok(QualityArg::Reference));
+        assert_eq!(Quality::from_str("high", false), Ok(Quality::Fine));
+        assert_eq!(Quality::from_str("lossless", false), Ok(Quality::Reference));
     }
 }

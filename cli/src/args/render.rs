@@ -3,6 +3,7 @@
 use std::path::PathBuf;
 
 use clap::{Args, ValueEnum};
+use flb_render::Indirect;
 use flb_scene::scene::SunHours;
 
 use super::gpu_count::gpu_count;
@@ -81,8 +82,8 @@ pub(crate) struct RenderArgs {
     #[arg(long, value_name = "N")]
     pub samples: Option<u32>,
     /// Show the indirect light or not, or nothing but it
-    #[arg(long, value_enum, default_value_t = IndirectArg::On)]
-    pub indirect: IndirectArg,
+    #[arg(long, value_enum, default_value_t = Indirect::On)]
+    pub indirect: Indirect,
     /// Where the camera stands: azimuth and elevation seen from the plant, degrees [default: 180,8]; a scene has its
     /// own camera
     #[arg(long, value_name = "AZIMUTH,ELEVATION", value_parser = angle_pair, allow_hyphen_values = true)]
@@ -122,11 +123,4 @@ pub(crate) enum RenderBackendArg {
     Gpu,
     /// A GPU where there is one for the scene
     Auto,
-}
-
-#[derive(Clone, Copy, ValueEnum)]
-pub(crate) enum IndirectArg {
-    On,
-    Off,
-    Only,
 }

@@ -1,13 +1,12 @@
 //! What follows from the model that `flb bake` is asked for: its settings, the flags that it refuses, and what is said.
 
 use flb_baker::bake::{ModelSettings, PaperSettings, PhysicalSettings};
-use flb_baker::crown::LeafAngleChoice;
 use flb_format::FieldKind;
 use flb_transport::SolverKind;
 use flb_transport::ordinates::{MAX_RAYS, NamedSuns};
 
 use super::limits::{check_end, ordinates_of};
-use crate::args::{BackendArg, BakeArgs, FieldArg, LeafAnglesArg, ModelArg, SolverArg};
+use crate::args::{BackendArg, BakeArgs, ModelArg, SolverArg};
 use crate::classes::MeshReader;
 use crate::exit::{Failure, USAGE};
 use crate::print::say;
@@ -61,18 +60,8 @@ fn physical(args: &BakeArgs) -> Result<PhysicalSettings, Failure> {
         ordinates,
         rays: flags.rays,
         parts: flags.cut_sites.map_or(preset.parts, |cut| if cut { 2 } else { 1 }),
-        field: match flags.field {
-            None => preset.field,
-            Some(FieldArg::Scattered) => FieldKind::Scattered,
-            Some(FieldArg::Total) => FieldKind::Total,
-        },
-        leaf_angles: match flags.leaf_angles {
-            None => preset.leaf_angles,
-            Some(LeafAnglesArg::Measured) => LeafAngleChoice::Measured,
-            Some(LeafAnglesArg::Spherical) => LeafAngleChoice::Spherical,
-            Some(LeafAnglesArg::Planophile) => LeafAngleChoice::Planophile,
-            Some(LeafAnglesArg::Erectophile) => LeafAngleChoice::Erectophile,
-        },
+        field: flags.field.unwrap_or(preset.field),
+        leaf_angles: flags.leaf_angles.unwrap_or(preset.leaf_angles),
         tolerance,
         max_passes: args.max_sweeps,
         monte_carlo_suns: flags.monte_carlo.into(),
@@ -84,7 +73,7 @@ fn physical(args: &BakeArgs) -> Result<PhysicalSettings, Failure> {
 pub(crate) fn without_scattered_light(args: &BakeArgs) -> Option<&'static str> {
     match args.model.model {
         ModelArg::Paper => Some("--model paper"),
-        ModelArg::Physical => (args.model.field == Some(FieldArg::Total)).then_some("--field total"),
+        ModelArg::Physical => (args.model.field == Some(FieldKind::Total)).then_some("--field total"),
     }
 }
 

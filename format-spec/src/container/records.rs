@@ -126,17 +126,18 @@ pub const CODEC_AVERAGES: u32 = 11;
 
 /// Codec of a base.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+#[cfg_attr(feature = "clap", derive(clap::ValueEnum))]
 pub enum Codec {
-    /// Values as they are.
-    RawF32,
-    /// Values rounded to binary16.
-    RawF16,
-    /// 4^3 Haar blocks at stride 3, thresholded.
-    HaarPaper,
-    /// 4^3 blocks near geometry, quantised to an error, coefficients by the class of their block.
+    /// Blocks of 4^3 near geometry, quantised to an error, coefficients by the class of their block: the smallest.
     Classed,
-    /// 4^3 Haar blocks near geometry, quantised to an error, coefficients under a mask.
+    /// Haar blocks of 4^3 near geometry, quantised to an error, coefficients under a mask of 64 bits.
     Haar,
+    /// The papers' Haar blocks of 4^3 at stride 3, thresholded.
+    HaarPaper,
+    /// Values as they are, 32-bit floats.
+    RawF32,
+    /// Values rounded to the nearest 16-bit float; above 65504 they are refused.
+    RawF16,
 }
 
 impl Codec {

@@ -12,6 +12,7 @@ const STEP_BYTES: u64 = 1 << 20;
 
 /// Depth of a validation.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+#[cfg_attr(feature = "clap", derive(clap::ValueEnum))]
 pub enum Level {
     /// The header alone.
     Header,

@@ -7,10 +7,11 @@ use crate::import::ImportError;
 
 /// Source of a surface's colour.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[cfg_attr(feature = "clap", derive(clap::ValueEnum))]
 pub enum ColorSource {
-    /// The texture (or base colour): texels are the reflectance.
+    /// The texture, or base colour: a texel is the reflectance.
     Texture,
-    /// Measured: texels are a tint.
+    /// Measured leaves: a texel tints their reflectance.
     Measured,
 }
 

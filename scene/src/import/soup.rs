@@ -10,10 +10,11 @@ use crate::mesh::Mesh;
 /// Axis of an input that points up.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
 #[serde(rename_all = "lowercase")]
+#[cfg_attr(feature = "clap", derive(clap::ValueEnum))]
 pub enum Up {
     /// Axis y, as in glTF.
     Y,
-    /// Turned by -90 degrees about x: (x, y, z) becomes (x, z, -y).
+    /// Axis z, as in many modelling programs: (x, y, z) becomes (x, z, -y).
     Z,
 }
 
