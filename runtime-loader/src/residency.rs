@@ -232,6 +232,11 @@ impl Residency {
         self.units.bases(species).iter().zip(&seen.is_now).any(|(base, now)| base.item != 0 && *now)
     }
 
+    /// Whether a sun shines on it, or may soon.
+    fn has_sun(&self, species: usize, seen: &SpeciesNeed) -> bool {
+        self.units.bases(species).iter().zip(&seen.bases).any(|(base, need)| base.item != 0 && *need > 0.0)
+    }
+
     /// The units that the frame could use, and the worth of those that were given up.
     fn candidates(&self, need: &Need) -> (Vec<Candidate>, f64) {
         let (mut candidates, mut given_up) = (Vec::new(), 0.0);
@@ -273,7 +278,14 @@ impl Residency {
             unit.priority.max(1e-6) / self.units.texels(species) * peak * peak
         };
         match unit.kind {
-            UnitKind::Shared | UnitKind::Extinction => seen.pixels,
+            UnitKind::Shared => seen.pixels,
+            UnitKind::Extinction => {
+                if self.has_sun(species, seen) {
+                    seen.pixels
+                } else {
+                    0.0
+                }
+            }
             UnitKind::Averages { base } => seen.bases[base as usize] * per_texel(base as usize),
             UnitKind::Detail { base, .. } => {
                 let worth = seen.detail[base as usize] * per_texel(base as usize);

@@ -6,7 +6,8 @@
 //!
 //! Under a sun alone, and under a sky alone: how far the mean light over the plant is off once nothing more comes, how
 //! far a point is (rms, % of the mean), and the largest change of a point from one frame to the next, where what comes
-//! is blended in and where it is not. Without a file the default bake of the built-in oak at lattice 64.
+//! is blended in and where it is not; first of all the mean of some other suns. Without a file the default bake of the
+//! built-in oak at lattice 64.
 
 use std::sync::Arc;
 
@@ -17,6 +18,9 @@ use flb_tests::benched::{Benched, benched};
 use flb_tests::budget::streamed;
 
 const POINTS: u32 = 2000;
+/// Azimuths and elevations, degrees.
+const OTHER_SUNS: [(f64, f64); 6] =
+    [(0.0, 90.0), (0.0, 60.0), (60.0, 30.0), (180.0, 10.0), (250.0, 20.0), (300.0, 45.0)];
 
 fn main() {
     let Benched { library, points } = benched(POINTS);
@@ -28,6 +32,15 @@ fn main() {
     });
     let least = streamed(&library, &points, &sun, u64::MAX, 1).least_bytes;
     println!("least budget of the sun's light: {:.1} MB\n", least as f64 / 1e6);
+    println!(
+        "Of other suns:\n\n| azimuth | elevation | mean alone | at the least budget |\n|--:|--:|--:|--:|"
+    );
+    for (azimuth, elevation) in OTHER_SUNS {
+        let other = Daylight { towards_sun: towards_sun(azimuth, elevation), ..sun };
+        let off = |budget| 100.0 * streamed(&library, &points, &other, budget, 1).mean_off;
+        println!("| {azimuth} | {elevation} | {:+.1} % | {:+.1} % |", off(20_000), off(least));
+    }
+    println!();
     println!(
         "| light | budget | level | lacks | the mean | a point, rms | largest jump, blended | at once |"
     );

@@ -5,7 +5,7 @@
 //! addressed by itself. The coarse averages ([`super::coarse`]) go first, coded in the same way.
 
 use super::bits::{BitReader, BitWriter};
-use super::coarse::{self, COARSE_EDGE, Coarse};
+use super::coarse::COARSE_EDGE;
 use super::map::BlockMap;
 use super::{BlockFault, EDGE, Rule};
 
@@ -80,11 +80,6 @@ impl Averages {
         let blocks = (0..components).map(|_| read(map, &mut reader)).collect::<Result<_, _>>()?;
         reader.finish(Rule::AveragesLength, "the averages")?;
         Ok(Averages { blocks, coarse })
-    }
-
-    /// The coarse level of a component; `None` where the map is full.
-    pub fn coarse(&self, map: &BlockMap, component: usize) -> Option<Coarse<'_>> {
-        self.coarse.get(component).map(|averages| Coarse { edge: coarse::edge(map), averages })
     }
 }
 

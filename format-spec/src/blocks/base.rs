@@ -4,6 +4,7 @@ use std::sync::Arc;
 
 use super::bits::BitReader;
 use super::classes::GROUP_BYTES;
+use super::coarse::{self, Coarse};
 use super::lanes::{self, Job, Lanes};
 use super::transform::{self, AVERAGE_COEFFICIENT, AVERAGE_TEXEL, EDGE, TEXELS};
 use super::{Averages, BlockFault, BlockMap, Coding, Head, MAX_HALVINGS, Rule, detail};
@@ -97,7 +98,8 @@ const MAX_DETAIL_BYTES: usize = crate::records::MAX_DETAIL_BYTES as usize;
 pub struct CodedBase {
     pub(super) shared: Arc<Shared>,
     pub(super) head: Head,
-    pub(super) averages: Averages,
+    /// `[component][Morton code]`: [`Averages::coarse`].
+    coarse: Vec<Vec<i16>>,
     /// `[block][1 + component]`: first byte of the block's fields (first bit of `haar`), then average (low half) and
     /// class or width (high half).
     pub(super) blocks: Vec<u32>,
@@ -129,6 +131,12 @@ struct Page {
     /// Bytes of its payload, and those that it takes in memory.
     payload: u32,
     bytes: u32,
+}
+
+/// Average in a word of a component of a block.
+#[inline(always)]
+pub(super) fn average_of(word: u32) -> i16 {
+    word as u16 as i16
 }
 
 /// Texels of a component of a stored block, to be read.
@@ -171,7 +179,7 @@ impl CodedBase {
             pages: Vec::new(),
             shared: Arc::clone(shared),
             head,
-            averages,
+            coarse: averages.coarse,
             blocks,
             masks,
         }
@@ -287,26 +295,14 @@ impl CodedBase {
 
     /// Memory that the base takes, what it shares left out.
     pub fn size_bytes(&self) -> usize {
-        let averages: usize =
-            self.averages.blocks.iter().chain(&self.averages.coarse).map(|values| 2 * values.len()).sum();
+        let coarse: usize = self.coarse.iter().map(|values| size_of_val(&values[..])).sum();
         let pages = size_of_val(&self.pages[..]);
-        4 * self.blocks.len()
-            + 8 * self.masks.len()
-            + self.bytes.len()
-            + self.detailed.len()
-            + averages
-            + pages
+        4 * self.blocks.len() + 8 * self.masks.len() + self.bytes.len() + self.detailed.len() + coarse + pages
     }
 
     /// Whether the detail of every block was added.
     pub fn is_whole(&self) -> bool {
         self.detailed_count == self.detailed.len()
-    }
-
-    /// Average of a component of a stored block, in steps.
-    #[inline(always)]
-    pub(super) fn average(&self, word: u32) -> i16 {
-        word as u16 as i16
     }
 
     /// Texels of a component of a stored block, exact; those of its average where its detail was not added.
@@ -332,12 +328,27 @@ impl CodedBase {
     /// # Panics
     /// If there is no such rank.
     pub fn halvings(&self, rank: usize) -> u32 {
-        self.head.halvings(self.averages.blocks[0][rank])
+        self.head.halvings(self.average(rank, 0))
     }
 
-    /// Averages of the blocks, from which the base can be read without detail.
-    pub fn averages(&self) -> &Averages {
-        &self.averages
+    /// Average of a component of a stored block, in steps.
+    ///
+    /// # Panics
+    /// If there is no such rank or component.
+    pub fn average(&self, rank: usize, component: usize) -> i16 {
+        let components = self.head.components();
+        assert!(component < components, "component {component} of {components}");
+        average_of(self.blocks[rank * (1 + components) + 1 + component])
+    }
+
+    /// Coarse averages, `[component][Morton code]`; of no component where the map is full.
+    pub fn coarse_averages(&self) -> &[Vec<i16>] {
+        &self.coarse
+    }
+
+    /// The coarse level of a component; `None` where the map is full.
+    pub(super) fn coarse(&self, component: usize) -> Option<Coarse<'_>> {
+        self.coarse.get(component).map(|averages| Coarse { edge: coarse::edge(&self.shared.map), averages })
     }
 
     /// Whether the detail of a stored block was added.
@@ -355,7 +366,7 @@ impl CodedBase {
         if let Coding::Classed(classes) = &self.shared.coding
             && classes.groups((word >> 16) as u16).is_empty()
         {
-            return [i32::from(self.average(word)) * AVERAGE_TEXEL; TEXELS];
+            return [i32::from(average_of(word)) * AVERAGE_TEXEL; TEXELS];
         }
         let mut values = self.coefficients_with(lanes, rank, component);
         // Each with rows that the compiler knows.
@@ -378,7 +389,7 @@ impl CodedBase {
         assert!(component < components, "component {component} of {components}");
         let block = &self.blocks[rank * (1 + components)..][..1 + components];
         let order = &self.order;
-        let scale = MAX_HALVINGS - self.head.halvings(self.average(block[1]));
+        let scale = MAX_HALVINGS - self.head.halvings(average_of(block[1]));
         let mut values = [0; TEXELS];
         match &self.shared.coding {
             Coding::Classed(classes) => {
@@ -404,7 +415,7 @@ impl CodedBase {
                 }
             }
         }
-        values[0] = i32::from(self.average(block[1 + component])) * AVERAGE_COEFFICIENT;
+        values[0] = i32::from(average_of(block[1 + component])) * AVERAGE_COEFFICIENT;
         values
     }
 
@@ -418,7 +429,7 @@ impl CodedBase {
 
     /// Texels of a component of block `[x, y, z]` of the coarse level; 0 where there is none.
     pub(super) fn coarse_texels(&self, block: [u32; 3], component: usize) -> [i32; TEXELS] {
-        match self.averages.coarse(&self.shared.map, component) {
+        match self.coarse(component) {
             Some(coarse) => std::array::from_fn(|t| {
                 let [x, y, z] = [t % EDGE, t / EDGE % EDGE, t / (EDGE * EDGE)].map(|d| d as u32);
                 coarse.texel([block[0] * 4 + x, block[1] * 4 + y, block[2] * 4 + z])
@@ -452,8 +463,8 @@ impl CodedBase {
             let block = super::map::decode(code);
             for (c, integer) in integers.iter_mut().enumerate() {
                 *integer = match map.rank(block) {
-                    Some(rank) => i32::from(self.averages.blocks[c][rank as usize]) * AVERAGE_TEXEL,
-                    None => self.averages.coarse(map, c).map_or(0, |coarse| coarse.block(block)),
+                    Some(rank) => i32::from(self.average(rank as usize, c)) * AVERAGE_TEXEL,
+                    None => self.coarse(c).map_or(0, |coarse| coarse.block(block)),
                 };
             }
             self.write(&mut field, block, integers.iter().copied());

@@ -6,7 +6,7 @@
 //! hence exact up to 2^24, and the sample is the texel to the bit. Every machine adds in one order, so samples are the
 //! same bits on all of them; [`super::Cursor`] adds in another, and differs by rounding.
 
-use super::base::{CodedBase, Shared};
+use super::base::{CodedBase, Shared, average_of};
 use super::coarse::Coarse;
 use super::lanes::{self, Job, Lanes, Weights};
 use super::transform::{AVERAGE_COEFFICIENT, EDGE, HAAR, Rows, SMOOTH};
@@ -175,7 +175,7 @@ impl CodedBase {
     ) {
         let components = self.head.components();
         let block = &self.blocks[rank * (1 + components)..][..1 + components];
-        let scale = (1 << (MAX_HALVINGS - self.head.halvings(self.average(block[1])))) as f32;
+        let scale = (1 << (MAX_HALVINGS - self.head.halvings(average_of(block[1])))) as f32;
         let mut at = block[0] as usize;
         for (c, part) in parts.iter_mut().enumerate().take(components) {
             let class = (block[1 + c] >> 16) as u16;
@@ -187,7 +187,7 @@ impl CodedBase {
                 }
                 Coding::Haar => self.masked(self.masks[rank * components + c], class, &mut at, weights),
             };
-            let average = i32::from(self.average(block[1 + c])) * AVERAGE_COEFFICIENT;
+            let average = i32::from(average_of(block[1 + c])) * AVERAGE_COEFFICIENT;
             *part += average as f32 * weights.at(0) + scale * detail;
         }
     }
@@ -213,8 +213,7 @@ impl CodedBase {
     /// Adds the coarse level's share of the texels in a block that is not stored.
     #[cold]
     fn add_coarse<const C: usize>(&self, place: &SpeciesPoint<'_>, upper: usize, parts: &mut [f32; C]) {
-        let coarse: Vec<Coarse> =
-            (0..self.head.components()).filter_map(|c| self.averages.coarse(&place.shared.map, c)).collect();
+        let coarse: Vec<Coarse> = (0..self.head.components()).filter_map(|c| self.coarse(c)).collect();
         let at = &place.at;
         for corner in (0..8usize).filter(|corner| corner & place.straddled == upper) {
             let texel = std::array::from_fn(|a| at.texel[a] + (corner >> a & 1) as u32);

@@ -108,5 +108,22 @@ fn nothing_takes_a_block_and_stops_nothing() {
     let extinction = Extinction::of(&turbid);
     let ray = extinction.ray([8.0; 3], [0.0, 1.0, 0.0]);
     assert_eq!(extinction.travel(&ray, 0.0), Travel::Out { depth: 0.0 });
-    assert_eq!(extinction.depths().len(), 1);
+    assert_eq!((extinction.blocks().len(), extinction.depths().len()), (1, 0));
+}
+
+#[test]
+fn sites_keep_their_depths_and_air_takes_no_memory() {
+    let turbid = clumps();
+    let extinction = Extinction::of(&turbid);
+    let dense = extinction.to_dense();
+    for (found, expected) in
+        [(&dense.leaf_per_m, &turbid.leaf_per_m), (&dense.wood_per_m, &turbid.wood_per_m)]
+    {
+        let off = found.iter().zip(expected).map(|(found, expected)| (found - expected).abs());
+        assert!(off.fold(0.0, f32::max) < 1e-6);
+    }
+    assert_eq!(extinction.depths().len(), turbid.sites().len());
+    let all =
+        extinction.blocks().len() as u64 * BLOCK_BYTES + extinction.depths().len() as u64 * DEPTHS_BYTES;
+    assert_eq!(extinction.size_bytes() as u64, all + extinction.map().size_bytes() as u64);
 }

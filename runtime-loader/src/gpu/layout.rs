@@ -123,14 +123,20 @@ pub(super) fn extinction_words(extinction: &Extinction) -> Vec<u32> {
     words.extend((0..RELATIVE).map(relative));
     // A site that lets less than 1e-26000 through is as good as one that lets nothing.
     let half = |depth: f32| u32::from(f16::from_f32_const(depth.min(60_000.0)).to_bits());
-    let sites = extinction.depths().iter().flatten();
-    words.extend(sites.map(|[leaf, wood]| half(*leaf) | half(*wood) << 16));
+    let pair = |of_site: &[f32; 2]| half(of_site[0]) | half(of_site[1]) << 16;
+    let behind_masks = 4 * extinction.blocks().len() as u32;
+    for block in extinction.blocks() {
+        let [low, high] = [block.mask as u32, (block.mask >> 32) as u32];
+        let first = behind_masks + block.first;
+        words.extend([low, first, high, first + low.count_ones()]);
+    }
+    words.extend(extinction.depths().iter().map(pair));
     words
 }
 
 /// Coarse averages, two a word: `[component][Morton code]`.
 pub(super) fn coarse_words(base: &CodedBase) -> Vec<u32> {
-    let all: Vec<u16> = base.averages().coarse.iter().flatten().map(|average| *average as u16).collect();
+    let all: Vec<u16> = base.coarse_averages().iter().flatten().map(|average| *average as u16).collect();
     all.chunks(2)
         .map(|pair| u32::from(pair[0]) | u32::from(pair.get(1).copied().unwrap_or(0)) << 16)
         .collect()

@@ -452,9 +452,9 @@ impl GpuLight {
 
 /// Records of all blocks without detail.
 fn average_records(coded: &CodedBase) -> Vec<u32> {
-    let averages = &coded.averages().blocks;
-    let record =
-        |rank| std::iter::once(0).chain(averages.iter().map(move |values| u32::from(values[rank] as u16)));
+    let average = |rank, component| u32::from(coded.average(rank, component) as u16);
+    let components = coded.head().components();
+    let record = |rank| std::iter::once(0).chain((0..components).map(move |c| average(rank, c)));
     (0..coded.shared().map.len()).flat_map(record).collect()
 }
 

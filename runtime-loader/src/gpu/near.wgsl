@@ -6,8 +6,8 @@
 //   let light = flb_sample_near(species, first_term, term_count, near_count, point_model_m, near);
 //
 // Words of an extinction: pairs of 32 blocks' bits and the number of blocks with matter before them; FLB_RELATIVE
-// floats; 64 words a block, [z][y][x], each of two binary16: optical depth along a site's edge by leaves (low half) and
-// by wood.
+// floats; two pairs a block, each of 32 sites' bits, [z][y][x], and the place of their first word behind the floats; a
+// word for each site with matter, of two binary16: optical depth along a site's edge by leaves (low half) and by wood.
 
 const FLB_CANDIDATES: u32 = 16u;
 const FLB_RELATIVE: u32 = 257u;
@@ -184,8 +184,14 @@ fn flb_depths(species: u32, site: vec3<u32>) -> vec2<f32> {
         return vec2<f32>(-1.0);
     }
     let local = site & vec3<u32>(3u);
-    let first = flb_species[species].extinction + flb_map_words(species) + FLB_RELATIVE;
-    return unpack2x16float(flb_words[first + 64u * rank + (local.z * 4u + local.y) * 4u + local.x]);
+    let blocks = flb_species[species].extinction + flb_map_words(species) + FLB_RELATIVE;
+    let pair = blocks + 4u * rank + (local.z & 2u);
+    let bits = flb_words[pair];
+    let bit = 1u << (((local.z & 1u) * 4u + local.y) * 4u + local.x);
+    if (bits & bit) == 0u {
+        return vec2<f32>(0.0);
+    }
+    return unpack2x16float(flb_words[blocks + flb_words[pair + 1u] + countOneBits(bits & (bit - 1u))]);
 }
 
 // Follows a ray until it leaves the lattice or has crossed an optical depth.

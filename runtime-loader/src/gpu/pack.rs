@@ -71,8 +71,8 @@ fn pack_block(base: &CodedBase, rank: usize, page: &mut PackedPage) {
         }
     }
     let (mut record, words) = pack_digits(&mut values, page.nibbles.len(), shift);
-    for (word, averages) in record[1..].iter_mut().zip(&base.averages().blocks) {
-        *word |= u32::from(averages[rank] as u16);
+    for (component, word) in record[1..].iter_mut().enumerate() {
+        *word |= u32::from(base.average(rank, component) as u16);
     }
     page.nibbles.extend(words);
     if values.iter().flatten().any(|value| *value != 0) {

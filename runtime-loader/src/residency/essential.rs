@@ -110,10 +110,9 @@ pub(super) fn lacks(residency: &Residency, need: &Need) -> Vec<Lack> {
 }
 
 /// Species of harmonics that lack their sun's light: harmonics of which one is missing are no light, so that none is
-/// loaded, and their memory serves others.
+/// loaded, and their memory serves others. One that lacks its sky's light lacks its block map, on which all stands.
 pub(super) fn without_sun<'l>(units: &'l Units, lacks: &'l [Lack]) -> impl Iterator<Item = usize> + 'l {
-    let of_sun = lacks.iter().filter(|lack| lack.essential == Essential::Sun);
-    of_sun.map(|lack| lack.species).filter(|species| units.extinction(*species).is_some())
+    lacks.iter().map(|lack| lack.species).filter(|species| units.extinction(*species).is_some())
 }
 
 /// Whether a unit is left out as [`without_sun`] says.

@@ -219,6 +219,27 @@ fn the_least_budget_is_complete_and_a_smaller_one_says_what_it_lacks() {
 }
 
 #[test]
+fn no_sun_needs_no_extinction() {
+    let mut residency = residency(PLENTY);
+    settle(&mut residency, &of(2, &[0], true));
+    assert!(loaded(&residency).count() > 2, "the sky's light");
+    assert!(!residency.is_loaded(UNITS.extinction(2).expect("of harmonics")));
+}
+
+#[test]
+fn without_room_for_its_block_map_a_species_has_no_extinction_either() {
+    let need = of(2, &(0..UNITS.bases(2).len()).collect::<Vec<_>>(), true);
+    let map = UNITS.of_species(2).next().expect("the first unit is the block map");
+    let extinction = UNITS.extinction(2).expect("of harmonics");
+    let budget_bytes = UNITS.get(map).memory_bytes - 1;
+    assert!(UNITS.get(extinction).memory_bytes < budget_bytes, "it would have room");
+    let mut residency = residency(ResidencySettings { budget_bytes, ..PLENTY });
+    settle(&mut residency, &need);
+    assert_eq!(residency.plan(&need).lacks[0].essential, Essential::Sky);
+    assert_eq!(loaded(&residency).count(), 0);
+}
+
+#[test]
 fn what_is_not_wanted_stays_until_its_memory_is_and_the_longest_unused_goes_first() {
     let all_of = |species: usize| -> Vec<usize> { (0..UNITS.bases(species).len()).collect() };
     let two = memory(UNITS.of_species(0)) + memory(UNITS.of_species(2));

@@ -12,7 +12,7 @@ use flb_format::container::records::Codec;
 use flb_format::container::{Container, Species};
 
 use crate::RuntimeError;
-use crate::extinction::BLOCK_BYTES;
+use crate::extinction::{BLOCK_BYTES, DEPTHS_BYTES};
 
 /// Place of a unit in the catalogue.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
@@ -169,17 +169,18 @@ impl Units {
         let needs_beam =
             species.meta.physical().is_some_and(|(_, light)| light.suns.first_near_item().is_some());
         if let (true, Some([leaf, wood])) = (needs_beam, species.extinction) {
-            let memory = words + (BLOCK_BYTES + 4) * blocks;
+            // A payload is a bit for each site, and the values of those that have one (SPEC.md, section 8.3).
+            let masks = u64::from(grid.lattice).pow(3) / 8;
+            let values = |section: usize| container.sections()[section].raw_bytes.saturating_sub(masks) / 4;
+            let memory = words + (BLOCK_BYTES + 4) * blocks + DEPTHS_BYTES * (values(leaf) + values(wood));
             push(UnitKind::Extinction, stored(leaf) + stored(wood), memory, 1.0, [0; 2]);
         }
         let coarse = (u64::from(grid.lattice) / 16).pow(3);
         let mut entries = Vec::with_capacity(bases.len());
         for (i, (base, detail)) in (0u16..).zip(&bases) {
             let haar = if base.codec == Codec::Haar { 8 * bands } else { 0 };
-            let memory = blocks * (4 * (1 + bands) + 1 + 2 * bands + haar)
-                + 2 * bands * coarse
-                + 8 * bands * bands
-                + BASE_BYTES;
+            let memory =
+                blocks * (4 * (1 + bands) + 1 + haar) + 2 * bands * coarse + 8 * bands * bands + BASE_BYTES;
             let averages = container.pages(base.section);
             let priority = averages.first().map_or(0.0, |page| page.priority);
             let first = push(UnitKind::Averages { base: i }, stored(base.section), memory, priority, [0; 2]);

@@ -16,11 +16,31 @@ fn both(path: &Path) -> [Result<Box<dyn Source>, RuntimeError>; 2] {
     ]
 }
 
+/// A file as it is read where there are no positioned reads.
+#[derive(Debug)]
+struct BySeeking(FileSource);
+
+impl Source for BySeeking {
+    fn len_bytes(&self) -> io::Result<u64> {
+        self.0.len_bytes()
+    }
+
+    fn read_exact_at(&self, offset_bytes: u64, buffer: &mut [u8]) -> io::Result<()> {
+        read_by_seeking(&self.0.file, offset_bytes, buffer)
+    }
+}
+
+/// Both kinds, and files without positioned reads, on the same file.
+fn all(path: &Path) -> impl Iterator<Item = Box<dyn Source>> {
+    let by_seeking = BySeeking(FileSource::open(path).expect("a file"));
+    both(path).into_iter().map(Result::unwrap).chain([Box::new(by_seeking) as Box<dyn Source>])
+}
+
 #[test]
-fn both_sources_read_what_a_slice_reads() {
+fn all_sources_read_what_a_slice_reads() {
     let bytes: Vec<u8> = (0..=255).cycle().take(10_000).collect();
     let file = file_of(&bytes);
-    for source in both(file.path()).map(Result::unwrap) {
+    for source in all(file.path()) {
         assert_eq!(source.len_bytes().unwrap(), 10_000);
         for (offset, length) in
             [(0, 10_000), (0, 0), (10_000, 0), (4095, 2), (9_999, 1), (10_000, 1), (9_999, 2)]
@@ -42,7 +62,7 @@ fn both_sources_read_what_a_slice_reads() {
 #[test]
 fn offsets_that_wrap_are_refused() {
     let file = file_of(b"some bytes");
-    for source in both(file.path()).map(Result::unwrap) {
+    for source in all(file.path()) {
         for offset in [u64::MAX, u64::MAX - 2, 1 << 63, i64::MAX as u64] {
             assert!(source.read_exact_at(offset, &mut [0; 4]).is_err(), "at {offset}");
         }

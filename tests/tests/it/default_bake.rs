@@ -175,7 +175,7 @@ fn streamed_units_are_golden() {
         for frame in 0..2 * SUNS.len() {
             let [azimuth, elevation] = SUNS[frame / 2];
             if frame == 4 {
-                residency.set_budget(residency.loaded_bytes() / 2);
+                residency.set_budget(residency.loaded_bytes() / 4 * 3);
             }
             let camera = Camera {
                 position_m: [4.0 * frame as f32 - 10.0, 2.0, 0.0],

@@ -180,9 +180,16 @@ fn without_extinction_half_is_lit_and_its_memory_comes_back() {
     assert!(matches!(other, GpuError::OtherExtinction { species: GpuSpeciesId(0) }), "{other}");
     let none = light.set_extinction(GpuSpeciesId(9), &extinction, true).expect_err("no such species");
     assert!(matches!(none, GpuError::NoSpecies { species: GpuSpeciesId(9) }), "{none}");
-    let small = LightSettings { budget_bytes: 610_000, ..LightSettings::default() };
-    let mut small = GpuLight::new(&gpu.device, &gpu.queue, small).expect("buffers");
-    let number = small.add_species(&turbid.grid, &shared).expect("there is room");
+    let of_budget = |budget_bytes| {
+        let settings = LightSettings { budget_bytes, ..LightSettings::default() };
+        let mut light = GpuLight::new(&gpu.device, &gpu.queue, settings).expect("buffers");
+        let number = light.add_species(&turbid.grid, &shared).expect("there is room");
+        (light, number)
+    };
+    let enough = 610_000;
+    let spare = of_budget(enough).0.free_bytes();
+    assert!(spare > taken, "{spare} bytes are free for {taken}");
+    let (mut small, number) = of_budget(enough - (spare - taken / 2));
     let full = small.set_extinction(number, &extinction, false).expect_err("no room");
     assert!(matches!(full, GpuError::Full { .. }), "{full}");
     light.set_extinction(species, &extinction, false).expect("there is room");

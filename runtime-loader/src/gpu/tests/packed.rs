@@ -15,7 +15,7 @@ const SHRUB: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/golden/shrub.flb");
 /// and coarse averages at 4; nibbles begin at word 5.
 const GOLDEN: &str = "species: 12 words, 2ecfb29923878141
 map: 4 words, 5a3aa18f3472d058
-extinction: 2309 words, 0738072b085fe7b9
+extinction: 1146 words, b15e7bed00e79f3e
 bases: 208 words, 9c96f583c84ad9e4
 coarse: 13 words, 56166c1edbe0c6a8
 records: 1612 words, a4773fb7f61767be
