@@ -6,8 +6,7 @@
 
 use criterion::{Criterion, criterion_group, criterion_main};
 use flb_format::Optics;
-use flb_transport::lattice::{find_gpu, media};
-use flb_transport::{SolveSettings, SolverKind, solve};
+use flb_transport::lattice::{SolveSettings, SolverKind, find_gpu, media, solve};
 
 fn gpu_and_cpu(criterion: &mut Criterion) {
     match find_gpu() {

@@ -14,10 +14,9 @@ use flb_files::check_unread;
 use flb_format::Codec;
 use flb_packer::{EncodeSettings, encode_species, write_library};
 use flb_scene::{ClassedMesh, Step};
-use flb_transport::lattice::find_gpu;
 use serde::Serialize;
 
-use crate::args::{BackendArg, BakeArgs};
+use crate::args::BakeArgs;
 use crate::cache::Cache;
 use crate::classes::MeshReader;
 use crate::colors::{self, ColorRow};
@@ -28,7 +27,7 @@ use crate::size::Measured;
 use crate::stages::{Stage, Stages};
 use crate::summary::{SpeciesSummary, misses_its_error, saving_lines, species_table, stage_table};
 use checks::{check_judge, check_names, check_settings};
-use model::{follows_colors, say_other_model};
+use model::{follows_colors, say_device, say_other_model};
 use settings::settings_of;
 
 /// The summary of a bake; `--json` prints it (cli/schema/bake.json).
@@ -62,9 +61,7 @@ pub(crate) fn run(args: &BakeArgs) -> Result<u8, Failure> {
             reader.quiet = true;
         }
     }
-    if args.backend == BackendArg::Gpu {
-        say!("solving on {}", find_gpu()?);
-    }
+    say_device(args)?;
     let cache = Cache::open(args.cache.as_deref());
     say_other_model(args, &reader);
     let stages = Stages::default();

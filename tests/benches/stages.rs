@@ -15,7 +15,7 @@ use flb_render::Indirect;
 use flb_runtime::{Library, SpeciesSampler, bases_needed};
 use flb_tests::pipeline::{self, Recipe, SEED, bake, encode, import_glb, voxel_settings};
 use flb_tests::portrait::{Scene, portrait_of};
-use flb_transport::{SolveSettings, solve};
+use flb_transport::lattice::{SolveSettings, solve};
 
 /// Points of the sampling bench.
 const POINTS: u32 = 100_000;

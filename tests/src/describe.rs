@@ -11,7 +11,7 @@ use flb_format::records::KIND_BASE;
 use flb_format::{Class, Container, Field, Medium, SpeciesFields};
 use flb_packer::CodingReport;
 use flb_scene::{Classified, Mesh};
-use flb_transport::Solution;
+use flb_transport::lattice::Solution;
 
 /// First 16 hexadecimal digits of the BLAKE3 of what `feed` gives to `eat`.
 fn digest(feed: impl FnOnce(&mut dyn FnMut(&[u8]))) -> String {

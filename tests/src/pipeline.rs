@@ -10,7 +10,7 @@ use flb_format::{Medium, Model, Optics, SpeciesMeta};
 use flb_packer::{EncodeSettings, EncodedSpecies, SpeciesFields, encode_species, write_library_to};
 use flb_scene::plant::plant_bounds;
 use flb_scene::{ClassRules, Classified, ImportSettings, MaterialClass, Mesh, classify, import};
-use flb_transport::{Solution, SolveSettings, solve};
+use flb_transport::lattice::{Solution, SolveSettings, solve};
 
 /// What to bake and how finely.
 #[derive(Debug, Clone, Copy)]

@@ -13,5 +13,3 @@ pub mod lattice;
 pub mod monte_carlo;
 pub mod ordinates;
 pub mod turbid;
-
-pub use lattice::{BaseReport, Solution, SolveError, SolveSettings, SolverKind, solve};

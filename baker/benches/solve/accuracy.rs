@@ -4,7 +4,7 @@ use std::time::Instant;
 
 use flb_format::Optics;
 use flb_transport::lattice::reference::{self, SolveDistance};
-use flb_transport::{SolveSettings, solve};
+use flb_transport::lattice::{SolveSettings, solve};
 
 use crate::oak;
 

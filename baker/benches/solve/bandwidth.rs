@@ -4,7 +4,7 @@ use std::time::Instant;
 
 use flb_format::{Medium, Optics};
 use flb_transport::lattice::explicit::SITE_BYTES;
-use flb_transport::{SolveSettings, SolverKind, solve};
+use flb_transport::lattice::{SolveSettings, SolverKind, solve};
 use rayon::prelude::*;
 
 use crate::oak;

@@ -5,7 +5,7 @@ use std::path::Path;
 use std::time::Instant;
 
 use flb_format::Optics;
-use flb_transport::{SolveSettings, solve};
+use flb_transport::lattice::{SolveSettings, solve};
 
 use crate::{HEAP, oak};
 

@@ -4,7 +4,7 @@ use std::time::Instant;
 
 use flb_format::{BaseSet, Medium, Optics};
 use flb_transport::lattice::reference::{self, Reference};
-use flb_transport::{Solution, SolveSettings, SolverKind, solve};
+use flb_transport::lattice::{Solution, SolveSettings, SolverKind, solve};
 
 use crate::bandwidth::{Memory, iteration_bytes};
 use crate::oak;

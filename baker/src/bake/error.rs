@@ -1,7 +1,7 @@
 //! Why a plant cannot be baked.
 
 use flb_format::FormatError;
-use flb_transport::SolveError;
+use flb_transport::lattice::SolveError;
 use flb_transport::monte_carlo::MonteCarloError;
 use flb_transport::ordinates::OrdinatesError;
 

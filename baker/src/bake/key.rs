@@ -1,7 +1,7 @@
 //! Keys of what a store holds: BLAKE3 of the stage and of all that its result depends on, one named part each.
 
 use flb_format::SunBasis;
-use flb_transport::SolveSettings;
+use flb_transport::lattice::SolveSettings;
 use flb_transport::ordinates::OrdinatesSettings;
 use flb_transport::turbid::{BandScatter, Phase, Scatter};
 use serde_json::{Value, json};

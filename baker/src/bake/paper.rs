@@ -3,8 +3,7 @@
 use flb_format::provenance;
 use flb_format::{BaseSet, Field, Medium, Model, Optics, SpeciesFields, SunBasis};
 use flb_scene::Step;
-use flb_transport::lattice::{BaseReport, find_gpu};
-use flb_transport::{SolveSettings, SolverKind, solve};
+use flb_transport::lattice::{BaseReport, SolveSettings, SolverKind, find_gpu, solve};
 use serde_json::json;
 
 use super::job::{Start, check_storable, describe, hold_medium};

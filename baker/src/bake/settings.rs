@@ -1,9 +1,8 @@
 //! How to bake: by one word, or setting by setting.
 
 use flb_format::{BaseSet, FieldKind, Light, LightError, Quality, SOLID_OFFSET, SunBasis};
-use flb_transport::lattice::DEFAULT_MAX_SWEEPS;
+use flb_transport::lattice::{DEFAULT_MAX_SWEEPS, SolveSettings, SolverKind};
 use flb_transport::ordinates::{Ordinates, OrdinatesSettings, rays_for};
-use flb_transport::{SolveSettings, SolverKind};
 
 use crate::crown::LeafAngleChoice;
 use crate::plan::{Plan, PlanError};

@@ -2,7 +2,7 @@
 
 use flb_baker::bake::{ModelSettings, PaperSettings, PhysicalSettings};
 use flb_format::FieldKind;
-use flb_transport::SolverKind;
+use flb_transport::lattice::{SolverKind, find_gpu};
 use flb_transport::ordinates::{MAX_RAYS, NamedSuns};
 
 use super::limits::{check_end, ordinates_of};
@@ -75,6 +75,14 @@ pub(crate) fn without_scattered_light(args: &BakeArgs) -> Option<&'static str> {
         ModelArg::Paper => Some("--model paper"),
         ModelArg::Physical => (args.model.field == Some(FieldKind::Total)).then_some("--field total"),
     }
+}
+
+/// Says on stderr which GPU solves, where one is asked for.
+pub(crate) fn say_device(args: &BakeArgs) -> Result<(), Failure> {
+    if args.backend == BackendArg::Gpu {
+        say!("solving on {}", find_gpu()?);
+    }
+    Ok(())
 }
 
 /// Whether the light depends on the colours of the plant's textures.

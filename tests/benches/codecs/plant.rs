@@ -8,7 +8,7 @@ use flb_format::{Class, Container, Field, Optics};
 use flb_packer::SpeciesFields;
 use flb_scene::{ClassRules, MaterialClass, classify};
 use flb_tests::pipeline::{SEED, import_glb, species_meta};
-use flb_transport::{SolveSettings, solve};
+use flb_transport::lattice::{SolveSettings, solve};
 
 pub(crate) struct Plant {
     pub lattice: u32,
