@@ -362,6 +362,7 @@ mod tests {
     use flb_transport::ordinates::NamedSuns;
 
     use super::*;
+    use flb_baker::crown::LeafAngleChoice;
 
     #[test]
     fn command_line_is_consistent() {
@@ -379,6 +380,7 @@ mod tests {
         check(|codec: &Codec| codec.name());
         check(|color: &ColorSource| color.name());
         check(|field: &FieldKind| field.name());
+        check(|angles: &LeafAngleChoice| angles.name());
         check(|plant: &PlantKind| plant.name());
         check(|quality: &Quality| quality.name());
         check(|suns: &NamedSuns| suns.name());

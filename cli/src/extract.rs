@@ -1,15 +1,17 @@
 //! `flb extract`: one base, the density or the extinction, as a slice sheet or as a volume.
 
+use std::sync::Arc;
+
 use flb_files::publish;
 use flb_inspector::extract::{Volume, slice_sheet_png, volume_exr, volume_npy};
 use flb_runtime::Library;
+use flb_stage::PlantLight;
 use serde::Serialize;
 
 use crate::args::{ExtractArgs, VolumeFormat};
 use crate::exit::{Failure, USAGE};
 use crate::inputs::{check_output_of, choose_species, open};
 use crate::memory::{check, field_bytes, read_bytes};
-use crate::picture::shown;
 use crate::print::{self, line};
 
 #[derive(Serialize)]
@@ -101,16 +103,16 @@ pub(crate) fn run(args: &ExtractArgs) -> Result<u8, Failure> {
 }
 
 /// With the bands that a sheet of a base shows; all of them for other formats, and one alone, which is grey.
-fn of_bands(library: Library, index: usize, args: &ExtractArgs) -> Result<Library, Failure> {
+fn of_bands(library: Library, index: usize, args: &ExtractArgs) -> Result<Arc<Library>, Failure> {
     let is_sheet = matches!((wanted(args)?, args.format), (Wanted::Base(_), VolumeFormat::Png));
     let meta = &library.container().species()[index].meta;
     match args.bands.show_bands.is_empty() {
-        true if !is_sheet || meta.band_count() == 1 => Ok(library),
+        true if !is_sheet || meta.band_count() == 1 => Ok(Arc::new(library)),
         false if !is_sheet => Err(Failure::new(
             USAGE,
             "--show-bands is for --format png of a base; other formats have every band",
         )),
-        _ => shown(library, index, &args.bands),
+        _ => Ok(PlantLight::shown(library, index, &args.bands.show_bands)?.library),
     }
 }
 

@@ -10,6 +10,7 @@ use flb_files::check_unread;
 use flb_format::provenance::IGNORE_ALPHA;
 use flb_runtime::SpeciesLight;
 use flb_scene::Step;
+use flb_stage::PlantLight;
 use flb_transport::monte_carlo::judge::suns;
 use serde::Serialize;
 
@@ -19,7 +20,6 @@ use crate::folder::{check_folder, publish_all};
 use crate::inputs::{choose_species, open};
 use crate::memory::{check, sampler_bytes};
 use crate::mesh_of_light::{MeshOfLight, mesh_of_species};
-use crate::picture::shown;
 use crate::print::{self, line, table};
 use crate::stages::{Stage, Stages};
 
@@ -77,7 +77,7 @@ pub(crate) fn run(args: &JudgeArgs) -> Result<u8, Failure> {
     let library = open(&args.file)?;
     let stem = args.mesh.file_stem().map(|stem| stem.to_string_lossy().into_owned());
     let index = choose_species(&library, args.species.as_deref(), stem.as_deref())?;
-    let library = shown(library, index, &args.bands)?;
+    let library = PlantLight::shown(library, index, &args.bands.show_bands)?.library;
     let species = &library.container().species()[index];
     let meta = &species.meta;
     let surfaces = judged_surfaces(meta).map_err(|error| Failure::from(error).at(library.path()))?;

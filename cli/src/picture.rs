@@ -4,10 +4,8 @@ use std::path::Path;
 
 use flb_files::publish;
 use flb_render::Picture;
-use flb_runtime::Library;
 use serde::Serialize;
 
-use crate::args::BandArgs;
 use crate::exit::{Failure, USAGE};
 use crate::stages::Stage;
 
@@ -33,13 +31,6 @@ pub(crate) struct Rendered<S> {
 pub(crate) struct Difference {
     pub rms: f64,
     pub max: u8,
-}
-
-/// [`Library::with_picture_bands`] of those that the flag names.
-pub(crate) fn shown(library: Library, index: usize, args: &BandArgs) -> Result<Library, Failure> {
-    let path = library.path().to_owned();
-    let shown = library.with_picture_bands(index, &args.show_bands);
-    shown.map_err(|error| Failure::from(error).at(&path))
 }
 
 /// Writes a picture as its name asks for.

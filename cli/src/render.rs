@@ -3,7 +3,7 @@
 use std::path::Path;
 
 use flb_files::check_unread;
-use flb_format::{FieldKind, SpeciesMeta};
+use flb_format::SpeciesMeta;
 use flb_render::picture::SHEET_GAP;
 use flb_render::{Look, Portrait, Shading, contact_sheet};
 use flb_scene::scene::SceneSky;
@@ -14,9 +14,9 @@ use crate::args::{RenderArgs, RenderBackendArg};
 use crate::exit::{Failure, USAGE};
 use crate::inputs::{check_output_of, choose_species, open};
 use crate::memory::{check, sampler_bytes};
-use crate::mesh_of_light::{MeshOfLight, check_fit, mesh_of_species};
+use crate::mesh_of_light::{MeshOfLight, Said, check_fit, mesh_of_species};
 use crate::picture::{Difference, Rendered, picture_format, write};
-use crate::print::{self, line, say};
+use crate::print::{self, line};
 use crate::sky::{read_sky, sky_file};
 use crate::stages::Stages;
 
@@ -38,6 +38,9 @@ impl Subject {
         check(&light.library, &format!("the bases of species {:?}", entry.meta.name), needed, &args.memory)?;
         let (look, exposure) =
             look(args, &entry.meta, sky).map_err(|failure| failure.at(light.library.path()))?;
+        if !args.path_traced {
+            light.tell_of_beam(&Said);
+        }
         Ok(Subject { light, look, exposure })
     }
 
@@ -87,7 +90,7 @@ pub(crate) fn run(args: &RenderArgs) -> Result<u8, Failure> {
     let subject = open(&args.file)?;
     let other = args.against.as_deref().map(open).transpose()?;
     let (meta, exposure) = (subject.light.meta(), subject.exposure);
-    let MeshOfLight { mesh, matched } = stages.run(Step::Import, &meta.name, |_| {
+    let MeshOfLight { mesh, matched, .. } = stages.run(Step::Import, &meta.name, |_| {
         mesh_of_species(mesh_file, meta, args.gltf_mesh.as_deref(), args.mesh_differs)
     })?;
     if let Some(other) = &other {
@@ -183,9 +186,6 @@ fn look(args: &RenderArgs, meta: &SpeciesMeta, sky: &StageSky) -> Result<(PlantL
         return refuse(
             "--indirect-scale is for paper files: a physical one has its light in the sun's units",
         );
-    }
-    if meta.physical().is_some_and(|(_, light)| light.field == FieldKind::Total) && !args.path_traced {
-        say!("warning: the fields hold the sun's beam, which shadow rays add again: the sun counts twice");
     }
     let ([width, height], view) = (args.size.unwrap_or([512; 2]), args.view.unwrap_or([180.0, 8.0]));
     let default = Look::default();

@@ -17,6 +17,7 @@ use serde::Serialize;
 
 use crate::args::StreamArgs;
 use crate::exit::{Failure, INTERNAL, LIMIT, LOSS, USAGE};
+use crate::forest::scene_species;
 use crate::inputs::{check_output_of, open, read_scene};
 use crate::memory::check_plants;
 use crate::print::{self, line, say};
@@ -220,15 +221,7 @@ fn seen(scene: &Scene, frame: &SceneFrame) -> (Camera, Daylight) {
 fn place(scene: &Scene, library: &Library) -> Result<Placed, Failure> {
     let mut species = Vec::with_capacity(scene.species.len());
     for wanted in &scene.species {
-        let name = wanted.light_species.as_ref().unwrap_or(&wanted.name);
-        let Some(found) = library.find_species(name) else {
-            let names: Vec<&str> =
-                library.container().species().iter().map(|species| species.meta.name.as_str()).collect();
-            let message =
-                format!("{} has no species {name:?}; it has {}", library.path().display(), names.join(", "));
-            return Err(Failure::new(USAGE, message));
-        };
-        species.push(found);
+        species.push(scene_species(library, wanted)?);
     }
     let plants = scene.instances.iter().map(|plant| Placement { species: species[plant.species], ..*plant });
     Ok(Placed::new(library.container(), plants))

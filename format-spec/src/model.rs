@@ -1,6 +1,6 @@
 //! Which model made the light of a species, and with what: the papers' optics, or surfaces and how the light is stored.
 //!
-//! Nothing else of this crate tells the two models apart: what differs between them is asked here, by what it means.
+//! Nothing else of this crate asks which of the two it is: what differs between them is asked here, by what it means.
 
 use crate::light::{Light, SunBasis};
 use crate::{BaseSet, Optics, Surfaces};

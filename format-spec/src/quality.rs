@@ -7,9 +7,9 @@ use std::fmt;
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default)]
 #[cfg_attr(feature = "clap", derive(clap::ValueEnum))]
 pub enum Quality {
-    /// Quality to try a plant: seconds, and a small file.
+    /// For a try, in seconds and with a small file.
     Draft,
-    /// Quality for use.
+    /// For use.
     #[default]
     Standard,
     /// Coding errors hardly seen.

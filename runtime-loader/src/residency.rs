@@ -232,9 +232,10 @@ impl Residency {
         self.units.bases(species).iter().zip(&seen.is_now).any(|(base, now)| base.item != 0 && *now)
     }
 
-    /// Whether a sun shines on it, or may soon.
+    /// Whether a sun shines on what is seen of a species, or may soon.
     fn has_sun(&self, species: usize, seen: &SpeciesNeed) -> bool {
-        self.units.bases(species).iter().zip(&seen.bases).any(|(base, need)| base.item != 0 && *need > 0.0)
+        let may_soon = |base: usize| self.units.bases(species)[base].item != 0 && seen.bases[base] > 0.0;
+        self.has_sun_now(species, seen) || (0..seen.bases.len()).any(may_soon)
     }
 
     /// The units that the frame could use, and the worth of those that were given up.

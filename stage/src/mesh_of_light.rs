@@ -6,6 +6,7 @@ use std::path::Path;
 use flb_format::colors::COLORS;
 use flb_format::{MeshMatch, SpeciesMeta, mesh_mark};
 use flb_scene::extents::number;
+use flb_scene::import::ImportSettings;
 use flb_scene::plant::{ClassedMesh, recorded_classes, recorded_settings};
 use flb_scene::{ClassRules, Extents, Mesh, Observer, classify};
 
@@ -21,6 +22,8 @@ pub(crate) fn short(digest: &str) -> &str {
 pub struct MeshOfLight {
     /// Mesh with its classes, surfaces and colours as baked.
     pub mesh: ClassedMesh,
+    /// Units, axes and parts that it was read by.
+    pub read_as: ImportSettings,
     /// Relation of the mesh to the light.
     pub matched: MeshMatch,
 }
@@ -40,12 +43,12 @@ impl MeshOfLight {
         observer: &dyn Observer,
     ) -> Result<MeshOfLight, StageError> {
         let at_mesh = |error: StageError| error.at(path);
-        let mesh = read_as_baked(path, meta, gltf_mesh, observer).map_err(at_mesh)?;
+        let (mesh, read_as) = read_as_baked(path, meta, gltf_mesh, observer).map_err(at_mesh)?;
         let mut mesh = class_as_baked(meta, mesh, may_differ).map_err(at_mesh)?;
         color_as_baked(path, meta, &mut mesh.mesh, observer)?;
         texels_of_bands(&mut mesh.mesh, meta);
         let matched = MeshOfLight::check(path, meta, &mesh, may_differ, observer)?;
-        Ok(MeshOfLight { mesh, matched })
+        Ok(MeshOfLight { mesh, read_as, matched })
     }
 
     /// Compares a mesh with the light of a species. A mesh that does not fit is refused, unless `may_differ`; then, and
@@ -111,7 +114,7 @@ fn read_as_baked(
     meta: &SpeciesMeta,
     gltf_mesh: Option<&str>,
     observer: &dyn Observer,
-) -> Result<Mesh, StageError> {
+) -> Result<(Mesh, ImportSettings), StageError> {
     let mut settings = recorded_settings(meta);
     if let Some(asked) = gltf_mesh {
         let baked = settings.gltf_mesh.replace(asked.to_owned());
@@ -123,7 +126,7 @@ fn read_as_baked(
             ));
         }
     }
-    Ok(read_mesh(path, &settings, observer)?)
+    Ok((read_mesh(path, &settings, observer)?, settings))
 }
 
 /// With the classes that the file records; those of another mesh, which has other materials, are found anew.

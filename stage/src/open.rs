@@ -8,7 +8,6 @@ use flb_render::Shading;
 use flb_runtime::Library;
 use flb_runtime::scene_light::SceneLight;
 use flb_scene::import::{ImportError, import};
-use flb_scene::plant::recorded_settings;
 use flb_scene::scene::{Scene, SceneSpecies};
 use flb_scene::{ClassRules, ClassedMesh, ImportSettings, Mesh, Observer, PlantReader, SpeciesFile};
 
@@ -61,6 +60,17 @@ impl PlantLight {
         let library = library.map_err(|error| StageError::from(error).at(&file))?;
         Ok(PlantLight { library: Arc::new(library), species })
     }
+
+    /// Tells the observer where shadow rays add what the fields hold already.
+    pub fn tell_of_beam(&self, observer: &dyn Observer) {
+        let meta = self.meta();
+        if meta.physical().is_some_and(|(_, fields)| fields.field == FieldKind::Total) {
+            observer.note(&format!(
+                "warning: {}: the fields hold the sun's beam, which shadow rays add again: the sun counts twice",
+                meta.name
+            ));
+        }
+    }
 }
 
 impl ScenePlant {
@@ -93,7 +103,7 @@ impl ScenePlant {
         let Some(light) = light else {
             let reader = scene_reader(species)?;
             let classed = read_classed(mesh, &reader, observer)?;
-            return Ok(ScenePlant { read_as: reader.settings, ..ScenePlant::unlit(classed) });
+            return Ok(ScenePlant::unlit(classed, reader.settings));
         };
         let gltf_mesh = species.gltf_mesh.as_deref();
         ScenePlant::lit(mesh, light, gltf_mesh, settings.mesh_may_differ, observer)
@@ -114,21 +124,15 @@ impl ScenePlant {
         observer: &dyn Observer,
     ) -> Result<ScenePlant, StageError> {
         let meta = light.meta();
-        let MeshOfLight { mesh, matched } =
+        let MeshOfLight { mesh, read_as, matched } =
             MeshOfLight::read(mesh, meta, gltf_mesh, mesh_may_differ, observer)?;
-        if meta.physical().is_some_and(|(_, fields)| fields.field == FieldKind::Total) {
-            observer.note(&format!(
-                "warning: {}: the fields hold the sun's beam, which shadow rays add again: the sun counts twice",
-                meta.name
-            ));
-        }
-        let (shading, read_as) = (Shading::of(meta), recorded_settings(meta));
+        light.tell_of_beam(observer);
+        let shading = Shading::of(meta);
         Ok(ScenePlant { mesh, read_as, shading, matched: Some(matched), light: Some(light) })
     }
 
-    /// A plant that no light is baked for: the sun and the sky alone light it.
-    pub fn unlit(mesh: ClassedMesh) -> ScenePlant {
-        let read_as = ImportSettings::default();
+    /// A plant that no light is baked for: the sun and the sky alone light it. `read_as` is how its mesh was read.
+    pub fn unlit(mesh: ClassedMesh, read_as: ImportSettings) -> ScenePlant {
         ScenePlant { mesh, read_as, shading: Shading::UNLIT, light: None, matched: None }
     }
 }

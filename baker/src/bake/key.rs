@@ -8,7 +8,7 @@ use serde_json::{Value, json};
 
 use crate::VoxelSettings;
 use crate::artefact;
-use crate::crown::{CrownSettings, LeafAngleChoice};
+use crate::crown::CrownSettings;
 
 /// Key of an artefact: stage and parts that it depends on. Two keys are one if stage and parts are, names and order
 /// included.
@@ -71,13 +71,7 @@ pub fn of_voxels(settings: &VoxelSettings) -> [(&'static str, Value); 3] {
 /// Parts of how a crown is measured.
 pub fn of_crown(settings: &CrownSettings) -> [(&'static str, Value); 2] {
     let &CrownSettings { ignore_alpha, angles } = settings;
-    let angles = match angles {
-        LeafAngleChoice::Spherical => "spherical",
-        LeafAngleChoice::Planophile => "planophile",
-        LeafAngleChoice::Erectophile => "erectophile",
-        LeafAngleChoice::Measured => "measured",
-    };
-    [("ignore_alpha", json!(ignore_alpha)), ("leaf_angles", json!(angles))]
+    [("ignore_alpha", json!(ignore_alpha)), ("leaf_angles", json!(angles.name()))]
 }
 
 /// Parts of a solve of the `physical` model.

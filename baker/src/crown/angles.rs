@@ -13,7 +13,7 @@ pub enum LeafAngleChoice {
     /// Inclinations of the leaf triangles of the mesh; spherical where it has none.
     #[default]
     Measured,
-    /// Randomly oriented: extinction is the same in all directions.
+    /// Random; extinction is the same in all directions.
     Spherical,
     /// Mostly flat.
     Planophile,
@@ -22,6 +22,16 @@ pub enum LeafAngleChoice {
 }
 
 impl LeafAngleChoice {
+    /// Name of the choice on the command line and in keys of kept stages.
+    pub fn name(self) -> &'static str {
+        match self {
+            LeafAngleChoice::Measured => "measured",
+            LeafAngleChoice::Spherical => "spherical",
+            LeafAngleChoice::Planophile => "planophile",
+            LeafAngleChoice::Erectophile => "erectophile",
+        }
+    }
+
     pub(super) fn of(self, facets: &Facets) -> LeafAngles {
         match self {
             LeafAngleChoice::Spherical => LeafAngles::spherical(),

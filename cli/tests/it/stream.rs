@@ -128,7 +128,7 @@ fn what_a_replay_cannot_do_without_is_asked_for() {
     refused(
         "name = \"shrub\"\n",
         "name = \"shrub\"\nlight = \"shrub.flb\"\nlight_species = \"oak\"\n",
-        "shrub.flb has no species \"oak\"; it has shrub",
+        "shrub.flb: no species is named \"oak\"; there are: shrub",
     );
     folder
         .flb(&["stream", "shrub.flb", "scene.toml", "--bandwidth", "0"])

@@ -1,7 +1,7 @@
 //! Models of light transport that are tried, and what differs between them: nothing else of a trade tells them apart.
 
 use flb_baker::bake::{ModelSettings, PaperSettings, PhysicalSettings};
-use flb_format::{BaseSet, FieldKind, Quality, SunBasis};
+use flb_format::{FieldKind, Quality, SunBasis};
 use flb_scene::Plant;
 use flb_transport::ordinates::{NamedSuns, Ordinates, rays_for};
 
@@ -112,10 +112,7 @@ impl Transport {
 
     /// Fields of a band.
     pub(super) fn items(&self) -> u64 {
-        match self {
-            Transport::Paper { .. } => BaseSet::COUNT as u64,
-            Transport::Physical(marched) => u64::from(marched.suns.basis().items()),
-        }
+        u64::from(self.suns().items())
     }
 
     /// Whether its light fills the whole lattice: scattered light alone is nothing in most of it.

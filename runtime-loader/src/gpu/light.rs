@@ -181,7 +181,7 @@ impl GpuLight {
     }
 
     /// Sends the extinction of a species, in place of what was there of it, for `flb_near`; `single` says whether its
-    /// fields need light scattered once. 4 bytes per site of a block that holds matter.
+    /// fields need light scattered once. 16 bytes per block that holds matter and 4 per site that does.
     ///
     /// # Errors
     /// [`GpuError::NoSpecies`]; [`GpuError::OtherExtinction`] for one of another lattice; [`GpuError::Full`]; nothing

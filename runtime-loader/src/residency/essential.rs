@@ -110,7 +110,8 @@ pub(super) fn lacks(residency: &Residency, need: &Need) -> Vec<Lack> {
 }
 
 /// Species of harmonics that lack their sun's light: harmonics of which one is missing are no light, so that none is
-/// loaded, and their memory serves others. One that lacks its sky's light lacks its block map, on which all stands.
+/// loaded, and their memory serves others. One that has no room for its block map and its sky's
+/// light has none for a sun's either.
 pub(super) fn without_sun<'l>(units: &'l Units, lacks: &'l [Lack]) -> impl Iterator<Item = usize> + 'l {
     lacks.iter().map(|lack| lack.species).filter(|species| units.extinction(*species).is_some())
 }

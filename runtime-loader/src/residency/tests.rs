@@ -5,6 +5,7 @@ use proptest::prelude::*;
 
 use super::*;
 use crate::Daylight;
+use crate::extinction::Extinction;
 use crate::plants::{library, library_of_three, plant};
 use crate::view::Camera;
 use crate::{Library, RuntimeError};
@@ -75,6 +76,51 @@ fn memory(units: impl Iterator<Item = UnitId>) -> u64 {
 
 fn loaded(residency: &Residency) -> impl Iterator<Item = UnitId> {
     UNITS.all().filter(|unit| residency.is_loaded(*unit))
+}
+
+#[test]
+fn units_take_no_more_memory_than_the_catalogue_says() {
+    for codec in [Codec::Classed, Codec::Haar] {
+        let library = library_of_three(codec);
+        let (container, source) = (library.container(), library.source());
+        let units = Units::new(container, library.path()).expect("coded near geometry");
+        let most = |unit: UnitId| units.get(unit).memory_bytes as usize;
+        for species in 0..units.species() {
+            let shared = container.read_shared(source, species).expect("it reads");
+            let map = units.of_species(species).next().expect("the first unit is the block map");
+            assert!(shared.size_bytes() <= most(map), "{codec:?}, {species}: the block map");
+            if let Some(unit) = units.extinction(species) {
+                let turbid = container.read_turbid(source, species).expect("it reads");
+                let found = Extinction::of(&turbid).size_bytes();
+                assert!(found <= most(unit), "{codec:?}, {species}: extinction of {found} bytes");
+            }
+            for (place, base) in (0..).zip(units.bases(species)) {
+                let of_kind = |wanted: fn(UnitKind) -> Option<u16>| {
+                    let is_wanted = |unit: &UnitId| wanted(units.get(*unit).kind) == Some(place);
+                    units.of_species(species).filter(is_wanted).collect::<Vec<_>>()
+                };
+                let averages = of_kind(|kind| match kind {
+                    UnitKind::Averages { base } => Some(base),
+                    _ => None,
+                });
+                let pages = of_kind(|kind| match kind {
+                    UnitKind::Detail { base, .. } => Some(base),
+                    _ => None,
+                });
+                let all = |units: &[UnitId]| units.iter().map(|unit| most(*unit)).sum::<usize>();
+                let coded = container.read_coded_base(source, species, base.item, &shared);
+                let mut coded = coded.expect("it reads");
+                let found = coded.size_bytes();
+                assert!(
+                    found <= all(&averages) + all(&pages),
+                    "{codec:?}, {species}, {place}: {found} bytes"
+                );
+                assert!(pages.iter().all(|page| coded.remove(units.get(*page).blocks[0])), "all were there");
+                let found = coded.size_bytes();
+                assert!(found <= all(&averages), "{codec:?}, {species}, {place}: averages of {found} bytes");
+            }
+        }
+    }
 }
 
 #[test]
@@ -221,7 +267,9 @@ fn the_least_budget_is_complete_and_a_smaller_one_says_what_it_lacks() {
 #[test]
 fn no_sun_needs_no_extinction() {
     let mut residency = residency(PLENTY);
-    settle(&mut residency, &of(2, &[0], true));
+    let mut need = of(2, &[0], true);
+    need.species[2].is_now[1..].fill(false);
+    settle(&mut residency, &need);
     assert!(loaded(&residency).count() > 2, "the sky's light");
     assert!(!residency.is_loaded(UNITS.extinction(2).expect("of harmonics")));
 }

@@ -156,8 +156,8 @@ fn light_of_any_budget_has_the_mean_of_the_whole_file_and_does_not_flash() {
     }
 }
 
-/// A walk past three plants under three suns, two frames each; at last with room for half of what is loaded, so that
-/// some goes.
+/// A walk past three plants under three suns, two frames each; at last with room for three quarters of what is loaded,
+/// so that some goes.
 #[test]
 fn streamed_units_are_golden() {
     let walk = |plant: &DefaultBake| {
