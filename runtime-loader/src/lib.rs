@@ -60,7 +60,7 @@ pub use error::RuntimeError;
 pub use flb_format::{MeshMark, MeshMatch, Placement, Transform};
 pub use library::{Library, Traffic};
 pub use light::{
-    Daylight, InstanceLight, LightCursor, LightCursors, SkyBeams, SkyLight, SkyPart, SpeciesLight,
+    Daylight, InstanceLight, KeptLight, LightCursor, LightCursors, SkyBeams, SkyLight, SkyPart, SpeciesLight,
 };
 #[cfg(feature = "remote")]
 pub use location::RemoteUrl;

@@ -36,7 +36,7 @@ use flb_format::{Grid, Transform};
 pub use cursor::LightCursor;
 pub use cursors::LightCursors;
 pub use flb_format::{Daylight, SkyPart};
-pub use instance::InstanceLight;
+pub use instance::{InstanceLight, KeptLight};
 pub use sky::{SkyBeams, SkyLight};
 
 use crate::entry::known_species;
@@ -180,6 +180,13 @@ impl<'r> SpeciesLight<'r> {
             }
             Source::File(_) | Source::Streamed(_) => Ok(light),
         }
+    }
+
+    /// Returns light that was kept of a plant of this species ([`InstanceLight::keep`]), as long as
+    /// [`ResidentSpecies::generation`] is what it was; `None` where the plant is to be lit anew. Neighbours and an
+    /// uneven sky are to be added again. What was kept of another species is wrong light.
+    pub fn lit_again(&self, kept: &KeptLight) -> Option<InstanceLight<'_>> {
+        InstanceLight::of_kept(self.resident(), kept)
     }
 
     /// Sums that the near beams of all suns share, for [`InstanceLight::prepared_by`]: making them takes longer than a

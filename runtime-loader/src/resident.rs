@@ -11,6 +11,7 @@
 //! Never black, and never of memory that was given back: a sample reads what `&self` holds, and units come and go
 //! between frames, by `&mut self`.
 
+mod generation;
 mod mean;
 mod terms;
 
@@ -99,6 +100,8 @@ pub struct ResidentSpecies {
     extinction_age: u16,
     /// Frames over which what comes takes the place of what stood in for it, 1 or more.
     blend_frames: u16,
+    /// How often its terms have changed.
+    generation: u64,
 }
 
 impl Resident {
@@ -123,7 +126,12 @@ impl Resident {
         for species in &mut self.species {
             let most = species.blend_frames;
             let ages = species.ages.iter_mut().chain([&mut species.extinction_age]);
-            ages.filter(|age| **age > 0).for_each(|age| *age = (*age + 1).min(most));
+            let mut is_blending = false;
+            for age in ages.filter(|age| (1..most).contains(*age)) {
+                *age += 1;
+                is_blending = true;
+            }
+            species.generation += u64::from(is_blending);
         }
     }
 
@@ -157,6 +165,7 @@ impl Resident {
     pub fn insert(&mut self, units: &Units, unit: UnitId, payload: Payload) -> Result<(), BlockFault> {
         let unit = units.get(unit);
         let species = &mut self.species[unit.species as usize];
+        let was_whole = species.is_whole(unit.kind);
         match (unit.kind, payload) {
             (UnitKind::Shared, Payload::Shared(shared, _)) => species.shared = Some(shared),
             (UnitKind::Extinction, Payload::Extinction(extinction)) => {
@@ -177,6 +186,7 @@ impl Resident {
             }
             (kind, _) => panic!("a payload of another kind than {kind:?}"),
         }
+        species.changed(unit.kind, was_whole);
         Ok(())
     }
 
@@ -184,6 +194,7 @@ impl Resident {
     pub fn remove(&mut self, units: &Units, unit: UnitId) {
         let unit = units.get(unit);
         let species = &mut self.species[unit.species as usize];
+        let was_whole = species.is_whole(unit.kind);
         match unit.kind {
             UnitKind::Shared => species.shared = None,
             UnitKind::Extinction => {
@@ -201,6 +212,7 @@ impl Resident {
                 }
             }
         }
+        species.changed(unit.kind, was_whole);
     }
 }
 
@@ -222,6 +234,7 @@ impl ResidentSpecies {
             ages: vec![0; items.len()],
             extinction_age: 0,
             blend_frames: 1,
+            generation: 0,
             items,
         }
     }

@@ -30,7 +30,51 @@ pub struct InstanceLight<'a> {
     uneven: Option<&'a SkyLight<'a>>,
 }
 
+/// The light of one plant to be kept from frame to frame, without a borrow of its species
+/// ([`super::SpeciesLight::lit_again`]).
+#[derive(Debug, Clone)]
+pub struct KeptLight {
+    terms: Terms,
+    prepared: Option<Arc<PreparedSun>>,
+    offsets: RayOffsets,
+    generation: u64,
+}
+
 impl<'a> InstanceLight<'a> {
+    /// The light of kept terms, where they are those of the species as it is.
+    pub(super) fn of_kept(species: &'a ResidentSpecies, kept: &KeptLight) -> Option<InstanceLight<'a>> {
+        if kept.generation != species.generation() {
+            return None;
+        }
+        let prepared = match &kept.prepared {
+            Some(sun) => Some((&**species.sites()?, Arc::clone(sun))),
+            None => None,
+        };
+        let (terms, offsets) = (kept.terms, kept.offsets);
+        let luminance = terms.strengths();
+        Some(InstanceLight {
+            species,
+            terms,
+            prepared,
+            offsets,
+            among: None,
+            luminance,
+            color: None,
+            uneven: None,
+        })
+    }
+
+    /// Returns what can be kept of the light: all but neighbours, an uneven sky and its sun's colour, which have
+    /// borrows of their own.
+    pub fn keep(&self) -> KeptLight {
+        KeptLight {
+            terms: self.terms,
+            prepared: self.prepared_sun().cloned(),
+            offsets: self.offsets,
+            generation: self.species.generation(),
+        }
+    }
+
     pub(super) fn new(species: &'a ResidentSpecies, daylight: &Daylight) -> InstanceLight<'a> {
         let Daylight { towards_sun, sun, sky } = *daylight;
         InstanceLight {

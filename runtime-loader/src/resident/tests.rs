@@ -371,3 +371,47 @@ fn a_stage_reports_a_page_whose_bytes_are_another_bases() {
     assert!(failure.error.to_string().contains("FLB-"), "{}", failure.error);
     assert!(frame.is_final && frame.quality < 1.0);
 }
+
+#[test]
+fn kept_light_is_that_of_now_or_is_refused() {
+    let (units, stage) = (units(), stage());
+    let mut resident = Resident::new(LIBRARY.container(), &units).blending_over(3);
+    let daylight = Daylight { towards_sun: [0.6, 0.0, 0.8], sun: 1.0, sky: 0.5 };
+    let light = |resident: &Resident| -> Vec<crate::KeptLight> {
+        let species = |species| SpeciesLight::streamed(resident.species(species));
+        let lit = |light: &SpeciesLight| light.lit_by_in_model(&daylight).expect("a direction").keep();
+        (0..3).map(|index| lit(&species(index))).collect()
+    };
+    let (mut again, mut anew) = (0, 0);
+    let mut check = |resident: &Resident, kept: &[crate::KeptLight]| {
+        for (index, kept) in kept.iter().enumerate() {
+            let now = SpeciesLight::streamed(resident.species(index));
+            let fresh = now.lit_by_in_model(&daylight).expect("a direction");
+            match now.lit_again(kept) {
+                Some(light) => {
+                    assert_eq!(light.terms(), fresh.terms());
+                    let (mut found, mut expected) = ([0.0; BANDS], [0.0; BANDS]);
+                    light.at(point(9), &mut found);
+                    fresh.at(point(9), &mut expected);
+                    assert_eq!(found, expected);
+                    again += 1;
+                }
+                None => anew += 1,
+            }
+        }
+    };
+    for unit in units.all() {
+        let kept = light(&resident);
+        load(&stage, &units, &mut resident, unit);
+        check(&resident, &kept);
+        let kept = light(&resident);
+        resident.advance();
+        check(&resident, &kept);
+    }
+    for unit in units.all().collect::<Vec<_>>().into_iter().rev() {
+        let kept = light(&resident);
+        resident.remove(&units, unit);
+        check(&resident, &kept);
+    }
+    assert!(again > 500 && anew > 50, "{again} again, {anew} anew");
+}
