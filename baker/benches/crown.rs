@@ -13,7 +13,7 @@ use flb_baker::downsample;
 use flb_baker::voxelise::{VoxelSettings, voxelise};
 use flb_fixtures::PlantKind;
 use flb_scene::{ClassRules, ImportSettings, MaterialClass, Mesh, classify, import};
-use flb_transport::turbid::{LeafAngles, Turbid};
+use flb_transport::turbid::{LeafAngles, TurbidMedium};
 
 /// Rays over the plant's longest extent by which crowns are judged.
 const RAYS: u32 = 256;
@@ -50,7 +50,7 @@ fn main() {
         let settings = VoxelSettings { voxels: 1024, lattice, ignore_alpha: false };
         let occupancy = voxelise(&mesh, &classes, &settings, &|_| ()).expect("a good mesh");
         let medium = downsample(&occupancy).expect("a good occupancy");
-        let errors = |turbid: &Turbid| {
+        let errors = |turbid: &TurbidMedium| {
             let gap = rays.of_turbid(turbid);
             let percent = |error: f64| 100.0 * error;
             (gap.mean(), percent(gap.error(&truth)), percent(gap.worst_error(&truth)))

@@ -14,7 +14,7 @@ use flb_format::beam::BEAM_RAYS;
 use flb_scene::{ClassRules, ImportSettings, MaterialClass, Mesh, classify, import};
 use flb_transport::monte_carlo::judge::{Judgement, MAX_SUNS, Truth, suns};
 use flb_transport::ordinates::{self, Ordinates, OrdinatesSettings, SunBasis, ico12, ico42, rays_for};
-use flb_transport::turbid::{BandScatter, LeafAngles, Phase, Scatter, Turbid};
+use flb_transport::turbid::{BandScatter, LeafAngles, Phase, Scatter, TurbidMedium};
 
 /// What is judged.
 fn presets() -> Vec<(&'static str, OrdinatesSettings)> {
@@ -97,7 +97,7 @@ fn main() {
     }
 }
 
-fn judge(name: &str, medium: &Turbid, scatter: Scatter, suns: &[[f64; 3]], photons: u64) {
+fn judge(name: &str, medium: &TurbidMedium, scatter: Scatter, suns: &[[f64; 3]], photons: u64) {
     let sites = medium.sites();
     let scatter = BandScatter { leaf: scatter, wood: scatter };
     let start = Instant::now();
@@ -139,7 +139,7 @@ fn judge(name: &str, medium: &Turbid, scatter: Scatter, suns: &[[f64; 3]], photo
 }
 
 /// A ball of 27 sites across in the middle of 32^3.
-fn sphere(depth: f64) -> Turbid {
+fn sphere(depth: f64) -> TurbidMedium {
     let grid = Grid { lattice: 32, origin_m: [0.0; 3], spacing_m: 1.0 };
     let inside = |i: usize| {
         let from_middle = grid.site(i).map(|c| f64::from(c) + 0.5 - 16.0);
@@ -147,7 +147,12 @@ fn sphere(depth: f64) -> Turbid {
     };
     let extinction = |i| if inside(i) { (depth / 27.0) as f32 } else { 0.0 };
     let leaf_per_m: Vec<f32> = (0..grid.sites()).map(extinction).collect();
-    Turbid { grid, wood_per_m: vec![0.0; leaf_per_m.len()], leaf_per_m, angles: LeafAngles::spherical() }
+    TurbidMedium {
+        grid,
+        wood_per_m: vec![0.0; leaf_per_m.len()],
+        leaf_per_m,
+        angles: LeafAngles::spherical(),
+    }
 }
 
 fn classes(mesh: &Mesh) -> Vec<MaterialClass> {
@@ -155,7 +160,7 @@ fn classes(mesh: &Mesh) -> Vec<MaterialClass> {
     classified.iter().map(|c| c.class).collect()
 }
 
-fn crown(mesh: &Mesh, lattice: u32) -> Turbid {
+fn crown(mesh: &Mesh, lattice: u32) -> TurbidMedium {
     let classes = classes(mesh);
     let voxels = VoxelSettings { voxels: 512, lattice, ignore_alpha: false };
     let occupancy = voxelise(mesh, &classes, &voxels, &|_| {}).expect("the mesh has triangles");

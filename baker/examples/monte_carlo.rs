@@ -19,7 +19,7 @@ use std::time::Instant;
 
 use flb_format::Grid;
 use flb_transport::monte_carlo::{Illumination, Settings, Tracking, trace};
-use flb_transport::turbid::{BandScatter, LeafAngles, Phase, Scatter, Turbid};
+use flb_transport::turbid::{BandScatter, LeafAngles, Phase, Scatter, TurbidMedium};
 use serde::Deserialize;
 
 #[derive(Deserialize)]
@@ -49,7 +49,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     };
     let scatter = Scatter { albedo: task.albedo, phase };
     let grid = Grid { lattice: task.lattice, origin_m: [0.0; 3], spacing_m: task.spacing_m };
-    let medium = Turbid {
+    let medium = TurbidMedium {
         grid,
         wood_per_m: vec![0.0; task.extinction_per_m.len()],
         leaf_per_m: task.extinction_per_m,

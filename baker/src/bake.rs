@@ -1,8 +1,8 @@
 //! One function from a plant to the light fields of its species.
 //!
 //! ```text
-//! Plant -voxelise-> Occupancy -downsample-> Medium -measure_crown-> Turbid -ordinates-> Field per basis   physical
-//! Plant -voxelise-> Occupancy -downsample-> Medium -lattice::solve-> Field per basis                       paper
+//! physical Plant -voxelise-> Occupancy -downsample-> Medium -measure_crown-> TurbidMedium -ordinates-> Field per basis
+//! paper    Plant -voxelise-> Occupancy -downsample-> Medium -lattice::solve-> Field per basis
 //! ```
 //!
 //! Every stage can be called by itself; [`bake`] calls them in order, keeps their results in a [`Store`], and tells a

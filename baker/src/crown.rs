@@ -1,7 +1,7 @@
 //! From a plant's triangles to a turbid medium that lets as much light through, in all directions together.
 //!
 //! ```text
-//! Mesh -rays-> light per site -estimate-> Turbid -one factor-> Turbid
+//! Mesh -rays-> light per site -estimate-> TurbidMedium -one factor-> TurbidMedium
 //! ```
 //!
 //! Half of the leaf area density is the extinction of leaves that are spread evenly. Real leaves clump, and a site
@@ -51,7 +51,7 @@ use facets::Facets;
 use flb_scene::class::MaterialClass;
 use flb_scene::mesh::Mesh;
 use flb_scene::plant::plant_bounds;
-use flb_transport::turbid::{LeafAngles, Turbid};
+use flb_transport::turbid::{LeafAngles, TurbidMedium};
 
 /// Rays over the plant's longest extent, at least; and rays over a site, at least.
 const RAYS: [u32; 2] = [384, 3];
@@ -75,7 +75,7 @@ pub struct CrownSettings {
 #[derive(Debug, Clone, PartialEq)]
 pub struct Crown {
     /// The medium, the factor applied, rounded ([`flb_format::medium::rounded`]).
-    pub turbid: Turbid,
+    pub turbid: TurbidMedium,
     /// Share of the sky that the leaves see; of no site where there is no mesh.
     pub seen_sky: SeenSky,
     /// The factor of all extinctions, from 1/8 to 8.
@@ -92,12 +92,12 @@ pub struct Crown {
 ///
 /// # Errors
 /// Arrays of another length than the grid's, or area densities that are negative or not finite.
-pub fn unclumped(medium: &Medium, angles: LeafAngles) -> Result<Turbid, CrownError> {
+pub fn unclumped(medium: &Medium, angles: LeafAngles) -> Result<TurbidMedium, CrownError> {
     let scaled = |array: &'static str, densities: &[f32], factor: f32| {
         error::check_densities(array, densities, medium.grid.sites())?;
         Ok::<_, CrownError>(densities.iter().map(|density| factor * density).collect())
     };
-    Ok(Turbid {
+    Ok(TurbidMedium {
         grid: medium.grid,
         leaf_per_m: scaled("leaf area density", &medium.leaf_area_density, 0.5)?,
         wood_per_m: scaled("wood area density", &medium.wood_area_density, 0.25)?,

@@ -1,7 +1,7 @@
 //! From a plant mesh to the light fields of a species: [`bake()`], and the stages that it runs.
 //!
 //! ```text
-//! Mesh -voxelise-> Occupancy -downsample-> Medium -measure_crown-> Turbid -ordinates-> Field per basis
+//! Mesh -voxelise-> Occupancy -downsample-> Medium -measure_crown-> TurbidMedium -ordinates-> Field per basis
 //! ```
 #![forbid(unsafe_code)]
 #![deny(clippy::print_stdout, clippy::print_stderr)] // cli/src/print.rs alone prints

@@ -1,7 +1,7 @@
 //! Sites that hold several materials: what their leaves and their wood scatter, mixed by area.
 //!
 //! ```text
-//! mesh, what each material shows, Turbid -mix-> per band and site: albedos of leaf and wood, and the share that passes
+//! mesh, what each material shows, TurbidMedium -mix-> per band and site: albedos of leaf and wood, what passes
 //! ```
 
 use flb_scene::alpha::{AlphaError, Coverage};
@@ -9,7 +9,7 @@ use flb_scene::color::MeanShares;
 use flb_scene::rays::{points, uv};
 use flb_scene::sampling::on_triangle;
 use flb_scene::{MaterialClass, Plant};
-use flb_transport::turbid::{BandScatter, Phase, Turbid};
+use flb_transport::turbid::{BandScatter, Phase, TurbidMedium};
 
 /// Points over the area of a site's face, and most on a triangle.
 const PER_FACE: f64 = 16.0;
@@ -28,7 +28,7 @@ impl Albedos for BandScatter {
     }
 }
 
-/// One band, site by site, in the order of [`Turbid::sites`].
+/// One band, site by site, in the order of [`TurbidMedium::sites`].
 #[derive(Debug, Clone, PartialEq)]
 pub struct MixedBand {
     /// Albedos of leaf and of wood.
@@ -51,7 +51,7 @@ impl Albedos for MixedBand {
 pub fn mix(
     plant: &Plant,
     kept: &[usize],
-    turbid: &Turbid,
+    turbid: &TurbidMedium,
     mean: &[BandScatter],
     ignore_alpha: bool,
 ) -> Result<Option<Vec<MixedBand>>, AlphaError> {
@@ -130,7 +130,7 @@ fn are_alike(classes: &[MaterialClass], shown: &[Option<&[MeanShares]>]) -> bool
     })
 }
 
-fn place(turbid: &Turbid, places: &[usize], at: [f64; 3]) -> Option<usize> {
+fn place(turbid: &TurbidMedium, places: &[usize], at: [f64; 3]) -> Option<usize> {
     let site = turbid.grid.lattice_from_model(at).map(|c| c.floor());
     let within = site.iter().all(|c| (0.0..f64::from(turbid.grid.lattice)).contains(c));
     let index = within.then(|| turbid.grid.index(site[0] as u32, site[1] as u32, site[2] as u32))?;

@@ -2,7 +2,7 @@
 //! stand to media on coarse lattices, ready to be solved.
 //!
 //! ```text
-//! Turbid of each species -grains-> points -alone-> the species by itself on coarse sites, calibrated
+//! TurbidMedium of each species -grains-> points -alone-> the species by itself on coarse sites, calibrated
 //!                                 points, instances, ground -stand-> the whole scene on one lattice
 //! ```
 //!
@@ -28,7 +28,7 @@ mod ground;
 mod tests;
 
 use flb_format::colors::color_bands;
-use flb_format::turbid::{INCLINATIONS, LeafAngles, Turbid};
+use flb_format::turbid::{INCLINATIONS, LeafAngles, TurbidMedium};
 use flb_format::{BandSurfaces, Grid, LeafSurface, Placement, Surfaces, WoodSurface};
 
 use crate::crown::Crown;
@@ -54,7 +54,7 @@ pub struct Plant<'a> {
     /// Name of the species in the scene.
     pub name: &'a str,
     /// Fine medium of the species.
-    pub turbid: &'a Turbid,
+    pub turbid: &'a TurbidMedium,
     /// Surfaces in luminance.
     pub surfaces: BandSurfaces,
 }
@@ -63,8 +63,8 @@ pub struct Plant<'a> {
 #[derive(Debug, Clone, PartialEq)]
 pub struct Stand {
     /// All plants and the ground (as wood), in the scene's frame.
-    pub turbid: Turbid,
-    /// `[site][leaf, wood]` in the order of [`Turbid::sites`].
+    pub turbid: TurbidMedium,
+    /// `[site][leaf, wood]` in the order of [`TurbidMedium::sites`].
     pub albedos: Vec<[f32; 2]>,
     /// `[site]` of the lattice.
     pub is_ground: Vec<bool>,

@@ -15,7 +15,7 @@ mod points;
 mod radiosity;
 mod ringing;
 
-use flb_format::{Field, Medium, SunBasis, Turbid};
+use flb_format::{Field, Medium, SunBasis, TurbidMedium};
 use flb_scene::ClassedMesh;
 use flb_scene::extents::has_walls;
 use flb_scene::rays::{RayMesh, RayMeshError};
@@ -33,7 +33,7 @@ pub struct Solids<'a> {
     /// Whether every texel is present; as the medium was voxelised.
     pub ignore_alpha: bool,
     /// Extinction of the plant.
-    pub turbid: &'a Turbid,
+    pub turbid: &'a TurbidMedium,
     /// Area densities of the plant.
     pub medium: &'a Medium,
     /// Light that matter in a site receives of the site's light, `[band][place][leaf, wood]`.

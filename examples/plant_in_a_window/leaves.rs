@@ -1,10 +1,10 @@
 //! Leaves to draw, where a program has no mesh: as many as the medium of the file says, turned and placed at random.
 //!
 //! ```text
-//! Turbid -area of each site-> triangles
+//! TurbidMedium -area of each site-> triangles
 //! ```
 
-use flb_format::Turbid;
+use flb_format::TurbidMedium;
 
 /// Position and normal in the frame of the model, and 0 for a leaf or 1 for wood.
 pub(crate) type Vertex = [f32; 7];
@@ -16,7 +16,7 @@ const CORNERS: [[f32; 2]; 6] = [[0.0, -1.0], [0.5, 0.0], [0.0, 1.0], [0.0, -1.0]
 
 /// Leaves whose area is that of the medium: half of the area per volume is the extinction in the mean over all
 /// directions, m^-1.
-pub(crate) fn vertices(turbid: &Turbid) -> Vec<Vertex> {
+pub(crate) fn vertices(turbid: &TurbidMedium) -> Vec<Vertex> {
     let grid = &turbid.grid;
     let area_of_m2 = |per_m: f32| 2.0 * per_m * (grid.spacing_m * grid.spacing_m * grid.spacing_m) as f32;
     let sites = turbid.sites();

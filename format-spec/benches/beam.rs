@@ -4,10 +4,10 @@ use criterion::{Criterion, criterion_group, criterion_main};
 use flb_format::Grid;
 use flb_format::beam::walk::uncollided_ray_by_ray;
 use flb_format::beam::{BEAM_RAYS, Near, Sites, single, uncollided};
-use flb_format::turbid::{LeafAngles, Turbid};
+use flb_format::turbid::{LeafAngles, TurbidMedium};
 
 /// A crown: a ball of clumps that fill a third of it, thin inside.
-fn crown(lattice: u32) -> Turbid {
+fn crown(lattice: u32) -> TurbidMedium {
     let grid = Grid { lattice, spacing_m: 12.0 / f64::from(lattice), origin_m: [0.0; 3] };
     let middle = f64::from(lattice) / 2.0;
     let density = |site: usize| {
@@ -17,7 +17,12 @@ fn crown(lattice: u32) -> Turbid {
         if radius < 0.95 && clump > 0.1 { (4.0 * radius * clump) as f32 } else { 0.0 }
     };
     let leaf_per_m: Vec<f32> = (0..grid.sites()).map(density).collect();
-    Turbid { wood_per_m: vec![0.0; leaf_per_m.len()], grid, leaf_per_m, angles: LeafAngles::spherical() }
+    TurbidMedium {
+        wood_per_m: vec![0.0; leaf_per_m.len()],
+        grid,
+        leaf_per_m,
+        angles: LeafAngles::spherical(),
+    }
 }
 
 fn beams(criterion: &mut Criterion) {

@@ -2,7 +2,7 @@
 //! to follow for each sun, besides the stored fields (SPEC.md, section 10.4).
 //!
 //! ```text
-//! Turbid + sun -sweep-> uncollided fluence per site -near-> means around each site
+//! TurbidMedium + sun -sweep-> uncollided fluence per site -near-> means around each site
 //! ```
 
 mod crossings;

@@ -16,7 +16,7 @@ pub mod verify;
 
 use crate::block;
 use crate::error::{FormatError, Place};
-use crate::{Class, Field, Medium, Source, SpeciesMeta, Turbid, room};
+use crate::{Class, Field, Medium, Source, SpeciesMeta, TurbidMedium, room};
 
 use self::payload::{BlockPage, PageContext};
 use self::records::{Codec, Header, KIND_METADATA, PageEntry, SectionEntry};
@@ -338,13 +338,13 @@ impl Container {
     /// # Errors
     /// [`FormatError::NoSpecies`]; [`FormatError::NoExtinction`] for a species of the model `paper`; as
     /// [`Container::read_page`]; the promises of SPEC.md section 8.3.
-    pub fn read_turbid(&self, source: &dyn Source, species: usize) -> Result<Turbid, FormatError> {
+    pub fn read_turbid(&self, source: &dyn Source, species: usize) -> Result<TurbidMedium, FormatError> {
         let owner = self.known_species(species)?;
         let (Some([leaf, wood]), Some((_, light))) = (owner.extinction, owner.meta.physical()) else {
             return Err(FormatError::NoExtinction { species });
         };
         let sites = owner.meta.grid.sites();
-        Ok(Turbid {
+        Ok(TurbidMedium {
             grid: owner.meta.grid,
             leaf_per_m: self.read_sparse(source, leaf, sites)?,
             wood_per_m: self.read_sparse(source, wood, sites)?,

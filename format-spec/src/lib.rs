@@ -68,4 +68,4 @@ pub use source::Source;
 pub use species::SpeciesFields;
 pub use surfaces::{BandSurfaces, LeafSurface, Surfaces, WoodSurface};
 pub use transform::{Placement, Transform};
-pub use turbid::{LeafAngles, Turbid};
+pub use turbid::{LeafAngles, TurbidMedium};

@@ -6,7 +6,7 @@
 
 use serde_json::Value;
 
-use crate::{FieldKind, SpeciesMeta, Surfaces, Turbid};
+use crate::{FieldKind, SpeciesMeta, Surfaces, TurbidMedium};
 
 /// Name of the entry of the whole scene.
 pub const SCENE_NAME: &str = "scene";
@@ -40,7 +40,7 @@ pub enum Role {
 
 /// BLAKE3 of all that a plant does to light, 64 hexadecimal digits: its surfaces, what its fields hold, its fine
 /// medium.
-pub fn plant_digest(surfaces: &Surfaces, field: FieldKind, turbid: &Turbid) -> String {
+pub fn plant_digest(surfaces: &Surfaces, field: FieldKind, turbid: &TurbidMedium) -> String {
     let surfaces = serde_json::to_vec(surfaces).expect("names and numbers make JSON");
     let mut hasher = blake3::Hasher::new();
     hasher.update(&surfaces).update(field.name().as_bytes());

@@ -13,7 +13,7 @@ use crate::Grid;
 /// A plant as a turbid medium. Both arrays are `[z][y][x]`, x fastest, N^3 long, finite and not negative; the outer
 /// two layers are empty.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Turbid {
+pub struct TurbidMedium {
     /// Grid of the sites.
     pub grid: Grid,
     /// Extinction by leaves, m^-1, in the mean over all directions: half of the leaf area density where leaves do not
@@ -25,10 +25,10 @@ pub struct Turbid {
     pub angles: LeafAngles,
 }
 
-impl Turbid {
+impl TurbidMedium {
     /// Feeds all values as bytes to a hash.
     pub fn feed(&self, mut hash: impl FnMut(&[u8])) {
-        let Turbid { grid, leaf_per_m, wood_per_m, angles } = self;
+        let TurbidMedium { grid, leaf_per_m, wood_per_m, angles } = self;
         hash(&grid.lattice.to_le_bytes());
         for value in grid.origin_m.iter().chain([&grid.spacing_m]).chain(angles.shares()) {
             hash(&value.to_le_bytes());

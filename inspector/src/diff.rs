@@ -8,7 +8,7 @@ use std::collections::{BTreeMap, BTreeSet};
 
 use flb_format::container::records::Codec;
 use flb_format::container::{Container, Species};
-use flb_format::{Class, Field, Medium, Model, Place, Source, Turbid, room};
+use flb_format::{Class, Field, Medium, Model, Place, Source, TurbidMedium, room};
 use serde::Serialize;
 use serde_json::Value;
 
@@ -307,7 +307,7 @@ fn compare_media(a: &Medium, b: &Medium, tolerance: Option<f64>) -> Vec<ArrayDif
         .collect()
 }
 
-fn compare_extinctions(a: &Turbid, b: &Turbid, tolerance: Option<f64>) -> [ArrayDiff; 2] {
+fn compare_extinctions(a: &TurbidMedium, b: &TurbidMedium, tolerance: Option<f64>) -> [ArrayDiff; 2] {
     [("leaf_extinction", &a.leaf_per_m, &b.leaf_per_m), ("wood_extinction", &a.wood_per_m, &b.wood_per_m)]
         .map(|(name, a_values, b_values)| {
             let values = compare_values(a_values, b_values, a.grid.lattice);

@@ -14,7 +14,7 @@ use exr::prelude::{
     AnyChannel, AnyChannels, Compression, Encoding, FlatSamples, Image, ImageAttributes, IntegerBounds,
     Layer, LayerAttributes,
 };
-use flb_format::{Class, Field, Medium, Turbid};
+use flb_format::{Class, Field, Medium, TurbidMedium};
 
 use crate::InspectError;
 
@@ -34,7 +34,7 @@ pub enum Volume<'a> {
     /// The medium. PNG and NPY hold its density alone; EXR its four arrays.
     Density(&'a Medium),
     /// Extinction of a `physical` species, m^-1. PNG holds the sum of leaf and wood; NPY and EXR both.
-    Extinction(&'a Turbid),
+    Extinction(&'a TurbidMedium),
 }
 
 impl Volume<'_> {

@@ -9,7 +9,8 @@ use flb_format::payload::{BlockPage, SPARSE_GROUP, SparseValue};
 use flb_format::provenance;
 use flb_format::records::*;
 use flb_format::{
-    Field, MESH_ERROR, Medium, MeshError, Place, Quality, SpeciesFields, SpeciesMeta, SunBasis, Turbid, block,
+    Field, MESH_ERROR, Medium, MeshError, Place, Quality, SpeciesFields, SpeciesMeta, SunBasis, TurbidMedium,
+    block,
 };
 use rayon::prelude::*;
 use std::sync::Arc;
@@ -313,7 +314,11 @@ pub(crate) fn encode_metadata(
     Ok(section(KIND_METADATA, 0, CODEC_JSON, settings, pages))
 }
 
-fn encode_medium(medium: &Medium, turbid: Option<&Turbid>, settings: &EncodeSettings) -> Vec<EncodedSection> {
+fn encode_medium(
+    medium: &Medium,
+    turbid: Option<&TurbidMedium>,
+    settings: &EncodeSettings,
+) -> Vec<EncodedSection> {
     let class: Vec<u8> = medium.class.iter().map(|class| *class as u8).collect();
     let lattice = medium.grid.lattice;
     let array = |item: u32, codec, pages| EncodedSection {

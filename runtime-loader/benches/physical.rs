@@ -13,7 +13,7 @@ use flb_format::beam::BEAM_RAYS;
 use flb_format::meta::{Bounds, TriangleCounts};
 use flb_format::{
     BandSurfaces, Class, Field, Grid, LeafAngles, LeafSurface, Light, Medium, Model, SpeciesMeta, SunBasis,
-    Surfaces, Turbid, WoodSurface,
+    Surfaces, TurbidMedium, WoodSurface,
 };
 use flb_packer::{EncodeSettings, SpeciesFields, encode_species, write_library_to};
 use flb_runtime::{Library, PhysicalSampler};
@@ -23,7 +23,7 @@ const POINTS: usize = 2048;
 const TOWARDS_SUN: [f64; 3] = [0.48, 0.6, -0.64];
 
 /// Leaf and wood area of the plant's triangles, spread over the sites that points of each triangle lie in.
-fn grown(lattice: u32) -> (Medium, Turbid) {
+fn grown(lattice: u32) -> (Medium, TurbidMedium) {
     let plant = flb_fixtures::grow(PlantKind::Oak, 1, 80_000).expect("an oak of 80,000 triangles");
     let grid = grid_around(&plant, lattice);
     let mut area = [vec![0.0_f32; grid.sites()], vec![0.0_f32; grid.sites()]];
@@ -53,7 +53,7 @@ fn grown(lattice: u32) -> (Medium, Turbid) {
         .map(|(l, w)| if l + w > 0.0 { 0.5 } else { 0.0 })
         .collect();
     let class = density.iter().map(|d| if *d > 0.0 { Class::Leaf } else { Class::Empty }).collect();
-    let turbid = Turbid {
+    let turbid = TurbidMedium {
         grid,
         leaf_per_m: leaf_area_density.iter().map(|area| area / 2.0).collect(),
         wood_per_m: wood_area_density.iter().map(|area| area / 4.0).collect(),

@@ -1,7 +1,7 @@
 //! A species' extinction, kept where there is some, for rays that ask how much light comes through.
 //!
 //! ```text
-//! Turbid (dense) -of-> Extinction: blocks of 4^3 sites that hold matter, optical depth per site edge
+//! TurbidMedium (dense) -of-> Extinction: blocks of 4^3 sites that hold matter, optical depth per site edge
 //! ```
 //!
 //! Two of three sites of a block are air. So a block is a mask of 64 bits, and the depths of the sites whose bits are
@@ -11,7 +11,7 @@
 //! 1987). All is in binary32, in the order in which `gpu/near.wgsl` does it, so that both agree but for rounding.
 
 use flb_format::blocks::BlockMap;
-use flb_format::{Grid, LeafAngles, Turbid};
+use flb_format::{Grid, LeafAngles, TurbidMedium};
 
 /// Sites along an edge of a block.
 const EDGE: u32 = 4;
@@ -73,7 +73,7 @@ pub struct Ray {
 
 impl Extinction {
     /// Packs a dense turbid medium: only blocks with matter are kept.
-    pub fn of(turbid: &Turbid) -> Extinction {
+    pub fn of(turbid: &TurbidMedium) -> Extinction {
         let grid = turbid.grid;
         let edge = grid.lattice / EDGE;
         let mut bits = vec![0u8; (edge as usize).pow(3).div_ceil(8)];
@@ -109,7 +109,7 @@ impl Extinction {
     }
 
     /// Returns the dense medium, per metre, equal to the packed one but for the last bit.
-    pub fn to_dense(&self) -> Turbid {
+    pub fn to_dense(&self) -> TurbidMedium {
         let sites = self.grid.sites();
         let (mut leaf_per_m, mut wood_per_m) = (vec![0.0; sites], vec![0.0; sites]);
         for (site, (leaf, wood)) in leaf_per_m.iter_mut().zip(&mut wood_per_m).enumerate() {
@@ -119,7 +119,7 @@ impl Extinction {
                 [*leaf, *wood] = self.of_block(rank, site).map(per_m);
             }
         }
-        Turbid { grid: self.grid, leaf_per_m, wood_per_m, angles: self.angles.clone() }
+        TurbidMedium { grid: self.grid, leaf_per_m, wood_per_m, angles: self.angles.clone() }
     }
 
     /// Grid of the lattice in model space.

@@ -27,7 +27,7 @@ use std::sync::Arc;
 
 use flb_format::beam::{MAX_MEANS, Near};
 use flb_format::container::Species;
-use flb_format::{FieldKind, Grid, SunBasis, Turbid};
+use flb_format::{FieldKind, Grid, SunBasis, TurbidMedium};
 
 use crate::entry::{known_species, no_base, other_model};
 use crate::near_beam::{Marcher, MediumSites, PreparedSun};
@@ -84,7 +84,7 @@ impl PhysicalSampler {
     }
 
     /// The extinction, in m^-1.
-    pub fn turbid(&self) -> &Turbid {
+    pub fn turbid(&self) -> &TurbidMedium {
         self.sites.turbid()
     }
 

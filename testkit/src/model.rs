@@ -2,11 +2,11 @@
 
 use flb_format::{
     BandOptics, BandSurfaces, ClassOptics, FieldKind, LeafSurface, Light, LightError, Model, Optics,
-    SunBasis, Surfaces, Turbid, WoodSurface,
+    SunBasis, Surfaces, TurbidMedium, WoodSurface,
 };
 
 /// The model, its bases, and what it keeps of the medium; without suns it is `paper`.
-pub fn model(suns: Option<&SunBasis>, turbid: Turbid) -> (Model, u16, Option<Turbid>) {
+pub fn model(suns: Option<&SunBasis>, turbid: TurbidMedium) -> (Model, u16, Option<TurbidMedium>) {
     match suns {
         None => {
             let optics = ClassOptics { sigma_a: 0.1, g: 0.0 };
@@ -28,7 +28,7 @@ pub fn model(suns: Option<&SunBasis>, turbid: Turbid) -> (Model, u16, Option<Tur
 }
 
 /// Scattered light of these suns in a medium, of a solve without error.
-pub fn scattered(suns: &SunBasis, turbid: &Turbid) -> Light {
+pub fn scattered(suns: &SunBasis, turbid: &TurbidMedium) -> Light {
     Light {
         field: FieldKind::Scattered,
         ordinates: 18,

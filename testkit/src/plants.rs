@@ -1,7 +1,7 @@
 //! Libraries for the tests of streaming: round plants whose fields are rough, so that their bases have several pages.
 
 use flb_format::meta::{Bounds, TriangleCounts};
-use flb_format::{Class, Codec, Field, Grid, LeafAngles, Medium, SpeciesMeta, SunBasis, Turbid};
+use flb_format::{Class, Codec, Field, Grid, LeafAngles, Medium, SpeciesMeta, SunBasis, TurbidMedium};
 use flb_packer::rate::Target;
 use flb_packer::{EncodeSettings, SpeciesFields, encode_species, write_library_to};
 
@@ -32,7 +32,7 @@ pub fn plant(name: &str, suns: Option<&SunBasis>, lattice: u32, seed: u32) -> Sp
             *leaf_per_m = 0.5;
         }
     }
-    let turbid = Turbid { grid, leaf_per_m, wood_per_m, angles: LeafAngles::planophile() };
+    let turbid = TurbidMedium { grid, leaf_per_m, wood_per_m, angles: LeafAngles::planophile() };
     let (model, items, turbid) = model(suns, turbid);
     SpeciesFields {
         meta: SpeciesMeta {

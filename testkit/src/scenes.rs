@@ -6,7 +6,7 @@ use flb_format::scene_light::{LUMINANCE, Role};
 use flb_format::sun::towards_sun;
 use flb_format::{
     Class, Codec, Field, Grid, LeafAngles, Medium, Model, Placement, SpeciesMeta, SunBasis, Transform,
-    Turbid, site_of,
+    TurbidMedium, site_of,
 };
 use flb_packer::rate::Target;
 use flb_packer::{EncodeSettings, SpeciesFields, encode_species, write_library_to};
@@ -144,7 +144,7 @@ fn fields(name: &str, suns: Option<&SunBasis>, seed: u32, grid: Grid) -> Species
             *leaf_per_m = 0.5;
         }
     }
-    let turbid = Turbid { grid, leaf_per_m, wood_per_m, angles: LeafAngles::planophile() };
+    let turbid = TurbidMedium { grid, leaf_per_m, wood_per_m, angles: LeafAngles::planophile() };
     let (model, items, turbid) = model::model(suns, turbid);
     let meta = SpeciesMeta {
         name: name.to_owned(),

@@ -12,7 +12,7 @@ use flb_baker::scene_light::{Entry, Ground, Plant, Scenery, entry, luminance};
 use flb_fixtures::PlantKind;
 use flb_format::scene_light::Role;
 use flb_format::sun::directions::SunDirections;
-use flb_format::{BandSurfaces, Codec, Grid, Light, LightError, Placement, Transform, Turbid};
+use flb_format::{BandSurfaces, Codec, Grid, Light, LightError, Placement, Transform, TurbidMedium};
 use flb_packer::{EncodeSettings, SpeciesFields, encode_species, write_library_to};
 use flb_runtime::scene_light::{Modulations, SceneLight};
 use flb_runtime::{Library, RuntimeError};
@@ -39,7 +39,7 @@ pub struct Kind {
     /// Of the species.
     pub name: String,
     /// Fine.
-    pub turbid: Turbid,
+    pub turbid: TurbidMedium,
     /// In luminance.
     pub surfaces: BandSurfaces,
 }
@@ -85,7 +85,8 @@ impl Kind {
         };
         let leaf_per_m = (0..grid.sites() as u32).map(per_m).collect();
         let wood_per_m = vec![0.0; grid.sites()];
-        let turbid = Turbid { grid, leaf_per_m, wood_per_m, angles: flb_format::LeafAngles::spherical() };
+        let turbid =
+            TurbidMedium { grid, leaf_per_m, wood_per_m, angles: flb_format::LeafAngles::spherical() };
         let surfaces = luminance(name, &knapp_carter()).expect("three bands");
         Kind { name: name.to_owned(), turbid, surfaces }
     }
@@ -153,7 +154,7 @@ impl Stand {
         let mut coded = Vec::new();
         let coding = EncodeSettings { codec: Codec::RawF32, ..EncodeSettings::papers() };
         let mut code =
-            |role: Role, turbid: &Turbid, is_ground: &[bool], surfaces: &BandSurfaces, surroundings| {
+            |role: Role, turbid: &TurbidMedium, is_ground: &[bool], surfaces: &BandSurfaces, surroundings| {
                 let settings = OrdinatesSettings {
                     ordinates: Ordinates::Lebedev50,
                     rays: ordinates::rays_for(turbid.grid.lattice, 1),
@@ -206,7 +207,7 @@ impl Stand {
     }
 
     /// All plants on one lattice of sites as fine as their own, and where each site of an instance is.
-    pub fn merged(&self, lattice: u32) -> (Turbid, Vec<ComparedPoint>) {
+    pub fn merged(&self, lattice: u32) -> (TurbidMedium, Vec<ComparedPoint>) {
         let spacing_m = self.kinds[0].turbid.grid.spacing_m;
         let first = self.kinds[0].turbid.grid.middle_m([0; 3]);
         let mut places = Vec::new();
@@ -227,7 +228,7 @@ impl Stand {
         let low = [0, 1, 2].map(lowest);
         let origin_m = std::array::from_fn(|axis| first[axis] + (low[axis] as f64 - 2.5) * spacing_m);
         let grid = Grid { lattice, origin_m, spacing_m };
-        let mut merged = Turbid {
+        let mut merged = TurbidMedium {
             grid,
             leaf_per_m: vec![0.0; grid.sites()],
             wood_per_m: vec![0.0; grid.sites()],
@@ -264,7 +265,7 @@ pub struct ComparedPoint {
 pub type SunAndSky = [f32; 2];
 
 /// Light at every site of a lattice under one sun, without any blending of suns.
-pub fn light_at_sites(turbid: &Turbid, surfaces: &BandSurfaces, sun: [f64; 3]) -> Vec<SunAndSky> {
+pub fn light_at_sites(turbid: &TurbidMedium, surfaces: &BandSurfaces, sun: [f64; 3]) -> Vec<SunAndSky> {
     let settings = OrdinatesSettings {
         ordinates: Ordinates::Lebedev110,
         rays: ordinates::rays_for(turbid.grid.lattice, 1),

@@ -31,7 +31,7 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 
 use rayon::prelude::*;
 
-use crate::turbid::{BandScatter, Turbid};
+use crate::turbid::{BandScatter, TurbidMedium};
 
 pub use beam::{uncollided, uncollided_sky};
 pub use compare::{ComparedLight, Difference, compare};
@@ -80,7 +80,7 @@ impl Default for Settings {
     }
 }
 
-/// Fluence at the sites that hold matter, in the order of [`Turbid::sites`]; means over the volume of each.
+/// Fluence at the sites that hold matter, in the order of [`TurbidMedium::sites`]; means over the volume of each.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Fluence {
     /// Light that has met nothing yet.
@@ -117,7 +117,7 @@ pub struct Balance {
 
 /// The fluence of one band. `progress` hears the share of the work that is done, from any thread.
 pub fn trace(
-    medium: &Turbid,
+    medium: &TurbidMedium,
     scatter: &BandScatter,
     light: Illumination,
     settings: &Settings,
@@ -127,12 +127,12 @@ pub fn trace(
 }
 
 /// Traces the fluence of one band with albedos of the sites in place of those of the matter, `[site][leaf, wood]` in
-/// the order of [`Turbid::sites`].
+/// the order of [`TurbidMedium::sites`].
 ///
 /// # Errors
 /// As of [`trace`]; another number of albedos than of sites, or one outside of 0..=1.
 pub fn trace_with(
-    medium: &Turbid,
+    medium: &TurbidMedium,
     scatter: &BandScatter,
     albedos: Option<&[[f32; 2]]>,
     light: Illumination,

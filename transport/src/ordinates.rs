@@ -6,7 +6,7 @@
 //! only.
 //!
 //! ```text
-//! Turbid -beams of many suns-> first scattering -march, source iteration-> light of each sun
+//! TurbidMedium -beams of many suns-> first scattering -march, source iteration-> light of each sun
 //!     -fit-> fields -spread-> Field
 //! ```
 //!
@@ -48,7 +48,7 @@ use std::borrow::Cow;
 
 use flb_format::beam::{self, BEAM_RAYS, Beam, Near, NearBeam};
 use flb_format::sun::{SunBlend, harmonics};
-use flb_format::{BaseSet, Field, turbid::Turbid};
+use flb_format::{BaseSet, Field, turbid::TurbidMedium};
 use rayon::prelude::*;
 
 use crate::turbid::BandScatter;
@@ -151,7 +151,7 @@ pub struct BandReport {
     pub suns_rms: Option<f64>,
 }
 
-/// Albedos of a medium's sites in one band, `[site][leaf, wood]` in the order of [`Turbid::sites`].
+/// Albedos of a medium's sites in one band, `[site][leaf, wood]` in the order of [`TurbidMedium::sites`].
 pub type SiteAlbedos = Vec<[f32; 2]>;
 
 /// Light and matter around a plant in a scene.
@@ -180,7 +180,7 @@ impl Surroundings<'_> {
 /// A medium whose arrays have the wrong length, extinction that is negative or not finite, no bands or more than 64, an
 /// albedo outside 0..=1, and settings outside of their ranges: see [`OrdinatesError`].
 pub fn solve(
-    medium: &Turbid,
+    medium: &TurbidMedium,
     bands: &[BandScatter],
     settings: &OrdinatesSettings,
     progress: &(dyn Fn(f64) + Sync),
@@ -193,7 +193,7 @@ pub fn solve(
 /// # Errors
 /// As of [`solve`]; surroundings out of range; albedos of sites that are cut.
 pub fn solve_among(
-    medium: &Turbid,
+    medium: &TurbidMedium,
     bands: &[BandScatter],
     surroundings: &Surroundings,
     settings: &OrdinatesSettings,
@@ -281,7 +281,7 @@ pub fn solve_among(
 }
 
 /// Makes the near beams of a medium, the rays of singly scattered light laid by all threads.
-pub fn near<'m>(medium: &'m Turbid, sites: &'m [u32], single: bool) -> Near<'m> {
+pub fn near<'m>(medium: &'m TurbidMedium, sites: &'m [u32], single: bool) -> Near<'m> {
     match single {
         false => Near::new(medium, sites, false),
         true => Near::with_single(medium, sites, |lay| beam::single::axes().par_iter().map(lay).collect()),

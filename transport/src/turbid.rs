@@ -4,7 +4,7 @@
 
 mod phase;
 
-pub use flb_format::turbid::{INCLINATIONS, LeafAngles, Turbid};
+pub use flb_format::turbid::{INCLINATIONS, LeafAngles, TurbidMedium};
 pub use phase::Phase;
 
 use flb_format::{BandSurfaces, LeafSurface};

@@ -3,7 +3,7 @@
 //!
 //! [`BaseArtefact`]: super::BaseArtefact
 
-use flb_format::turbid::{INCLINATIONS, LeafAngles, Turbid};
+use flb_format::turbid::{INCLINATIONS, LeafAngles, TurbidMedium};
 use rkyv::{Archive, Deserialize, Serialize};
 
 use super::{Artefact, ArtefactError, MAX_BANDS, StoredGrid, check_length, fault};
@@ -71,7 +71,7 @@ impl Artefact for Crown {
         let Some(angles) = angles.try_into().ok().and_then(LeafAngles::from_shares) else {
             return fault("angles", format!("{found}: expected {INCLINATIONS} shares whose sum is 1"));
         };
-        let turbid = Turbid { grid, leaf_per_m, wood_per_m, angles };
+        let turbid = TurbidMedium { grid, leaf_per_m, wood_per_m, angles };
         let sites = turbid.sites().len();
         check_length("leaf_sides", leaf_sides.len(), sites)?;
         if let Some(place) = leaf_sides.iter().position(|sides| !sides.is_finite()) {

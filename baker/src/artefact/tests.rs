@@ -1,4 +1,4 @@
-use flb_format::turbid::{LeafAngles, Turbid};
+use flb_format::turbid::{LeafAngles, TurbidMedium};
 
 use super::*;
 use crate::crown::{Crown, SeenSky};
@@ -132,7 +132,7 @@ fn crown() -> Crown {
     let grid = Grid { lattice: 16, origin_m: [0.5, -1.0, 0.0], spacing_m: 0.25 };
     let array = |value: f32| (0..grid.sites()).map(|site| value * (site % 7) as f32).collect();
     let (leaf_per_m, wood_per_m) = (array(0.3), array(1.5));
-    let turbid = Turbid { grid, leaf_per_m, wood_per_m, angles: LeafAngles::planophile() };
+    let turbid = TurbidMedium { grid, leaf_per_m, wood_per_m, angles: LeafAngles::planophile() };
     let sites = turbid.sites().len();
     let seen_sky = SeenSky { sides: vec![8.0; sites], open: vec![2.5; sites], wood: vec![0.5; sites] };
     Crown { turbid, seen_sky, factor: 1.1, mesh_gap: 0.4, measured_gap: 0.45, gap: 0.4 }

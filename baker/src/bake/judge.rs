@@ -4,7 +4,7 @@ use flb_format::{MonteCarloError, sun};
 use flb_scene::Step;
 use flb_transport::monte_carlo::judge::{Judgement, Truth, photons, suns};
 use flb_transport::ordinates::{OrdinatesSettings, OrdinatesSolution, SiteAlbedos, SunBasis, near};
-use flb_transport::turbid::{BandScatter, Turbid};
+use flb_transport::turbid::{BandScatter, TurbidMedium};
 
 use super::observer::Event;
 use super::{BakeError, Work};
@@ -15,7 +15,7 @@ use super::{BakeError, Work};
 pub(super) fn judge(
     work: &Work,
     count: usize,
-    medium: &Turbid,
+    medium: &TurbidMedium,
     (bands, albedos): (&[BandScatter], &[SiteAlbedos]),
     solution: &OrdinatesSolution,
     settings: &OrdinatesSettings,

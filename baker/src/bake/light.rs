@@ -1,6 +1,6 @@
 //! Solving the light of a turbid medium, or taking it from the store: of a species, and of a scene.
 
-use flb_format::{LightError, Turbid};
+use flb_format::{LightError, TurbidMedium};
 use flb_scene::Step;
 use flb_transport::ordinates::{self, BandReport, OrdinatesSettings, OrdinatesSolution, Surroundings};
 use flb_transport::turbid::BandScatter;
@@ -15,7 +15,7 @@ use crate::artefact::{BaseArtefact, LightArtefact};
 #[derive(Debug, Clone, Copy)]
 pub struct LightSource<'a> {
     /// The medium.
-    pub turbid: &'a Turbid,
+    pub turbid: &'a TurbidMedium,
     /// Digest of all that the solve depends on, besides bands and settings: what tells one medium from another in the
     /// store.
     pub digest: [u8; 32],
@@ -87,7 +87,12 @@ impl StoredSolution<'_> {
         Key::new("field").with("light", self.key.digest().into()).with("item", item.into())
     }
 
-    fn read(&self, medium: &Turbid, bands: usize, settings: &OrdinatesSettings) -> Option<OrdinatesSolution> {
+    fn read(
+        &self,
+        medium: &TurbidMedium,
+        bands: usize,
+        settings: &OrdinatesSettings,
+    ) -> Option<OrdinatesSolution> {
         let items = settings.items();
         let sites = medium.sites().len();
         let check = |light: &LightArtefact| {

@@ -3,7 +3,7 @@
 use flb_format::provenance;
 use flb_format::scene_light::{PLANT, Role, plant_digest};
 use flb_format::{
-    BandSurfaces, BaseSet, FieldKind, Light, Placement, SpeciesFields, SunBasis, Surfaces, Turbid,
+    BandSurfaces, BaseSet, FieldKind, Light, Placement, SpeciesFields, SunBasis, Surfaces, TurbidMedium,
 };
 use flb_scene::Step;
 use flb_scene::scene::{Scene, SceneSpecies, light_digest};
@@ -68,7 +68,7 @@ impl SceneSettings {
 #[derive(Debug, Clone)]
 pub struct ScenePlant {
     name: String,
-    turbid: Turbid,
+    turbid: TurbidMedium,
     /// In luminance.
     surfaces: BandSurfaces,
     field: FieldKind,
@@ -83,7 +83,7 @@ impl ScenePlant {
     /// [`SceneLightError::Bands`] unless red, green and blue are among the bands of the surfaces.
     pub fn new(
         name: &str,
-        turbid: Turbid,
+        turbid: TurbidMedium,
         surfaces: &Surfaces,
         field: FieldKind,
     ) -> Result<ScenePlant, SceneLightError> {
@@ -202,7 +202,7 @@ pub struct BakedAlone {
 /// ```
 /// use flb_baker::bake::{NoStore, PlantedScene, ScenePlant, SceneSettings, bake_scene};
 /// use flb_scene::Unobserved;
-/// use flb_format::{FieldKind, Grid, LeafAngles, Placement, Transform, Turbid};
+/// use flb_format::{FieldKind, Grid, LeafAngles, Placement, Transform, TurbidMedium};
 /// use flb_scene::leaf::knapp_carter;
 ///
 /// // A bush: 8 sites of leaves along each edge of 1 m, in the middle of a lattice.
@@ -210,7 +210,7 @@ pub struct BakedAlone {
 /// let is_bush = |site: usize| grid.site(site).iter().all(|c| (4..12).contains(c));
 /// let leaf_per_m = (0..grid.sites()).map(|site| if is_bush(site) { 1.0 } else { 0.0 }).collect();
 /// let wood_per_m = vec![0.0; grid.sites()];
-/// let bush = Turbid { grid, leaf_per_m, wood_per_m, angles: LeafAngles::spherical() };
+/// let bush = TurbidMedium { grid, leaf_per_m, wood_per_m, angles: LeafAngles::spherical() };
 ///
 /// // Two of them side by side.
 /// let at = |x_m| Transform { position_m: [x_m, 0.0, 0.0], ..Transform::IDENTITY };

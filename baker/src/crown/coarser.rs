@@ -6,7 +6,7 @@
 //! more than 1: a plant smaller than a site is spread far over its outline, which then tells nothing, and no matter is
 //! to be made.
 
-use flb_format::Turbid;
+use flb_format::TurbidMedium;
 use rayon::prelude::*;
 
 use super::directions::measured_axes;
@@ -17,7 +17,7 @@ use super::{CALIBRATION_RAYS, Crown, SeenSky};
 
 /// `coarse` times the factor that makes it as open as `fine`, both in the same frame and not empty. Of the crown, the
 /// mesh is the fine medium.
-pub(crate) fn as_open_as(fine: &Turbid, coarse: Turbid) -> Crown {
+pub(crate) fn as_open_as(fine: &TurbidMedium, coarse: TurbidMedium) -> Crown {
     let sites = fine.sites();
     let (low, high) = bounds_of(&fine.grid, &sites);
     let center: [f64; 3] = std::array::from_fn(|k| low[k].midpoint(high[k]));

@@ -3,7 +3,7 @@
 use super::directions::Axis;
 use super::measure::SiteLight;
 use super::view::View;
-use flb_transport::turbid::Turbid;
+use flb_transport::turbid::TurbidMedium;
 
 /// Rays that arrive which all rays through a site, blocked before or not, count for.
 const PRIOR_ARRIVED: f64 = 8.0;
@@ -16,7 +16,12 @@ const PRIOR_RAYS: f64 = 1.0;
 const MAX_DEPTH: f64 = 16.0;
 
 /// Replaces the extinctions of `sites` by measured ones.
-pub(super) fn estimate(unclumped: Turbid, sites: &[u32], light: &[SiteLight], axes: &[Axis]) -> Turbid {
+pub(super) fn estimate(
+    unclumped: TurbidMedium,
+    sites: &[u32],
+    light: &[SiteLight],
+    axes: &[Axis],
+) -> TurbidMedium {
     let cubes = Cubes::new(axes);
     let edge_m = unclumped.grid.spacing_m;
     let mut turbid = unclumped;

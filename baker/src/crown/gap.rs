@@ -9,7 +9,7 @@ use super::view::View;
 use crate::voxelise::{CLUSTER_EDGE, VoxelError, VoxelSettings, voxelise};
 use flb_scene::class::MaterialClass;
 use flb_scene::mesh::Mesh;
-use flb_transport::turbid::Turbid;
+use flb_transport::turbid::TurbidMedium;
 
 /// The lattice whose non-empty sites make a crown's outline, whatever lattice the crown is baked at.
 pub const OUTLINE_LATTICE: u32 = 32;
@@ -126,7 +126,7 @@ impl<'a> GapRays<'a> {
     }
 
     /// The gap fraction of a medium: the mean of exp(-optical depth) over the same rays.
-    pub fn of_turbid(&self, turbid: &Turbid) -> Gap {
+    pub fn of_turbid(&self, turbid: &TurbidMedium) -> Gap {
         let depths = self.depths(turbid);
         let along = |((view, _), depths): (&(View, Vec<bool>), &Vec<f32>)| AxisGap {
             axis: view.axis,
@@ -137,7 +137,7 @@ impl<'a> GapRays<'a> {
     }
 
     /// Optical depths of a medium along the same rays.
-    pub(super) fn depths(&self, turbid: &Turbid) -> Depths {
+    pub(super) fn depths(&self, turbid: &TurbidMedium) -> Depths {
         let sites = turbid.sites();
         let along = |(view, inside): &(View, Vec<bool>)| depths_along(turbid, &sites, view, inside);
         let weights = self.views.iter().map(|(view, _)| view.axis.weight).collect();
@@ -154,7 +154,7 @@ pub(super) struct Depths {
 }
 
 /// Optical depths of a medium's non-empty `sites` along those rays of a view that are `inside`.
-pub(super) fn depths_along(turbid: &Turbid, sites: &[u32], view: &View, inside: &[bool]) -> Vec<f32> {
+pub(super) fn depths_along(turbid: &TurbidMedium, sites: &[u32], view: &View, inside: &[bool]) -> Vec<f32> {
     let mut depths = vec![0.0f32; view.rays()];
     let up = view.axis.along[1];
     for &site in sites {

@@ -8,7 +8,7 @@ use super::directions::Axis;
 use super::facets::{Facets, Hit};
 use super::gap::{bounds_of, low_of};
 use super::view::View;
-use flb_transport::turbid::Turbid;
+use flb_transport::turbid::TurbidMedium;
 
 /// Sums over all rays of all axes, each weighted by its axis (mean weight 1).
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
@@ -120,7 +120,7 @@ fn leaf_sides(code: u32) -> u32 {
 /// leaf angles count. The same for any number of threads.
 pub(super) fn measure(
     facets: &Facets,
-    turbid: &Turbid,
+    turbid: &TurbidMedium,
     sites: &[u32],
     axes: &[Axis],
     pixel_m: f64,

@@ -23,7 +23,7 @@
 
 use flb_format::{Grid, Medium};
 use flb_transport::ordinates::SiteAlbedos;
-use flb_transport::turbid::Turbid;
+use flb_transport::turbid::TurbidMedium;
 use rayon::prelude::*;
 
 use super::directions::measured_axes;
@@ -44,7 +44,7 @@ const PRIOR_HITS: f64 = 8.0;
 /// Mean chord of a cube, in edges: four volumes over the surface.
 const MEAN_CHORD: f64 = 2.0 / 3.0;
 
-/// Interreflection inside of the sites of a medium, in the order of [`Turbid::sites`].
+/// Interreflection inside of the sites of a medium, in the order of [`TurbidMedium::sites`].
 #[derive(Debug, Clone, PartialEq)]
 pub struct Recollision {
     sites: Vec<OfSite>,
@@ -82,7 +82,7 @@ pub struct Received {
 impl Recollision {
     /// Computes the recollisions in a crown that was measured on the sites of `medium`, before all extinctions were
     /// multiplied by `factor`.
-    pub fn of(turbid: &Turbid, factor: f64, medium: &Medium) -> Recollision {
+    pub fn of(turbid: &TurbidMedium, factor: f64, medium: &Medium) -> Recollision {
         let cubes = Cubes::new(&measured_axes());
         let edge_m = turbid.grid.spacing_m;
         let sites = turbid.sites();

@@ -4,7 +4,7 @@
 //! measure a crown know better. Each meets a leaf at two sides, and a surface the more often the more it faces them. So
 //! the share of sides before which the ray has met nothing is the share of the sky's light that comes to these sides.
 
-use flb_transport::turbid::Turbid;
+use flb_transport::turbid::TurbidMedium;
 
 use super::measure::SiteLight;
 
@@ -14,8 +14,8 @@ const PRIOR_SIDES: f32 = 8.0;
 /// Most of the cloud's scattered light that leaves receive which see less of the sky than the cloud.
 const MAX_SCATTERED: f32 = 4.0;
 
-/// Sides of leaves that rays met, per site, in the order of [`Turbid::sites`]. Rays count by the weights of their axes,
-/// 1 in the mean.
+/// Sides of leaves that rays met, per site, in the order of [`TurbidMedium::sites`]. Rays count by the weights of their
+/// axes, 1 in the mean.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct SeenSky {
     /// All sides.
@@ -28,7 +28,7 @@ pub struct SeenSky {
 
 impl SeenSky {
     /// Of the `light` in `sites`, as far as they are sites of `turbid`.
-    pub(super) fn of(turbid: &Turbid, sites: &[u32], light: &[SiteLight]) -> SeenSky {
+    pub(super) fn of(turbid: &TurbidMedium, sites: &[u32], light: &[SiteLight]) -> SeenSky {
         let kept = sites.iter().zip(light).filter(|(site, _)| turbid.extinction(**site as usize) > 0.0);
         let mut seen = SeenSky::default();
         for (_, light) in kept {

@@ -127,7 +127,7 @@ fn evenly_spread_facets_stop_as_much_as_the_formula_says() {
     let medium = medium_of(&mesh, 16);
     let crown = crown_of(&mesh, &medium).unwrap();
     let formula = unclumped(&medium, LeafAngles::spherical()).unwrap();
-    let sum = |turbid: &Turbid| turbid.leaf_per_m.iter().map(|&s| f64::from(s)).sum::<f64>();
+    let sum = |turbid: &TurbidMedium| turbid.leaf_per_m.iter().map(|&s| f64::from(s)).sum::<f64>();
     let ratio = sum(&crown.turbid) / sum(&formula);
     assert!((ratio - 1.0).abs() < 0.02, "{ratio}");
     assert!((crown.factor - 1.0).abs() < 0.02, "{}", crown.factor);
@@ -148,7 +148,7 @@ fn clumped_facets_stop_less_than_the_formula_says() {
     let medium = medium_of(&mesh, 16);
     let crown = crown_of(&mesh, &medium).unwrap();
     let formula = unclumped(&medium, LeafAngles::spherical()).unwrap();
-    let sum = |turbid: &Turbid| turbid.leaf_per_m.iter().map(|&s| f64::from(s)).sum::<f64>();
+    let sum = |turbid: &TurbidMedium| turbid.leaf_per_m.iter().map(|&s| f64::from(s)).sum::<f64>();
     let ratio = sum(&crown.turbid) / sum(&formula);
     assert!(ratio < 0.7, "{ratio}");
 }
@@ -164,11 +164,11 @@ fn flat_leaves_measure_as_flat() {
 }
 
 /// A grid of unit sites whose site (8, 8, 8) alone has matter.
-fn one_site() -> Turbid {
+fn one_site() -> TurbidMedium {
     let grid = Grid { lattice: 16, origin_m: [0.0; 3], spacing_m: 1.0 };
     let mut leaf_per_m = vec![0.0; grid.sites()];
     leaf_per_m[grid.index(8, 8, 8)] = 0.25;
-    Turbid { grid, leaf_per_m, wood_per_m: vec![0.0; grid.sites()], angles: LeafAngles::spherical() }
+    TurbidMedium { grid, leaf_per_m, wood_per_m: vec![0.0; grid.sites()], angles: LeafAngles::spherical() }
 }
 
 #[test]
@@ -215,7 +215,7 @@ fn a_sheet_in_a_face_between_sites_is_in_one_of_them_and_stops_nearly_all_light_
             let medium = medium_of(&mesh, lattice);
             let settings = CrownSettings { ignore_alpha: false, angles: LeafAngleChoice::Measured };
             let crown = measure_crown(&mesh, &CLASSES, &medium, &settings, &|_| ()).unwrap();
-            let Turbid { grid, leaf_per_m, angles, .. } = &crown.turbid;
+            let TurbidMedium { grid, leaf_per_m, angles, .. } = &crown.turbid;
             let middle = lattice / 2;
             let row: Vec<f64> = (4..lattice - 4)
                 .map(|x| {

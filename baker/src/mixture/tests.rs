@@ -7,7 +7,7 @@ use super::*;
 
 /// Two leaves, each a square of 1 m side by side in the plane z = 0.5, then one of wood above the first; of sites of
 /// 2 m the first pair shares one.
-fn plant(colors: [[f64; 2]; 3]) -> (Plant, Turbid) {
+fn plant(colors: [[f64; 2]; 3]) -> (Plant, TurbidMedium) {
     let mut mesh = Mesh::default();
     for (index, [x, y]) in [[0.5, 0.5], [1.5, 0.5], [0.5, 2.5]].into_iter().enumerate() {
         // A little inside of its square, so that no corner is another site's.
@@ -26,7 +26,7 @@ fn plant(colors: [[f64; 2]; 3]) -> (Plant, Turbid) {
         color.shown = vec![MeanShares { reflectance, transmittance }; 3];
     }
     let grid = flb_format::Grid { lattice: 16, origin_m: [0.0; 3], spacing_m: 2.0 };
-    let mut turbid = Turbid {
+    let mut turbid = TurbidMedium {
         grid,
         leaf_per_m: vec![0.0; grid.sites()],
         wood_per_m: vec![0.0; grid.sites()],

@@ -4,7 +4,7 @@
 //! As the weights of a point are those of a sample at the point, light at a grain is read from sites that hold some of
 //! it, and never from empty ones. They sum to 1: area is neither lost nor made.
 
-use flb_format::{Grid, Placement, Turbid, turbid::LeafAngles};
+use flb_format::{Grid, Placement, TurbidMedium, turbid::LeafAngles};
 
 use super::grains::Grain;
 
@@ -65,7 +65,7 @@ impl Sums {
         self,
         angles: LeafAngles,
         soil: Option<GroundLayers>,
-    ) -> (Turbid, Vec<[f32; 2]>, Vec<bool>) {
+    ) -> (TurbidMedium, Vec<[f32; 2]>, Vec<bool>) {
         let Sums { grid, area_m2, bright_m2, tops } = self;
         let volume_m3 = grid.spacing_m * grid.spacing_m * grid.spacing_m;
         let per_m =
@@ -78,7 +78,7 @@ impl Sums {
                 is_soil[index] = true;
             }
         }
-        let turbid = Turbid { grid, leaf_per_m, wood_per_m, angles };
+        let turbid = TurbidMedium { grid, leaf_per_m, wood_per_m, angles };
         let albedo = |site: u32, kind: usize| {
             let site = site as usize;
             let [area, bright] = [area_m2[site][kind], bright_m2[site][kind]];

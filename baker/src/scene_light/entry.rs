@@ -2,7 +2,7 @@
 
 use flb_format::meta::{Bounds, TriangleCounts};
 use flb_format::scene_light::{GROUND_DENSITY, Role};
-use flb_format::{BandSurfaces, Class, Light, Medium, Model, SpeciesMeta, Surfaces, Turbid};
+use flb_format::{BandSurfaces, Class, Light, Medium, Model, SpeciesMeta, Surfaces, TurbidMedium};
 use serde_json::Value;
 
 /// Largest density of a site of plants: only the ground has 1.
@@ -20,7 +20,7 @@ pub struct Entry {
 /// The entry of a medium in a role. `is_ground` is empty where there is none.
 pub fn entry(
     role: &Role,
-    turbid: &Turbid,
+    turbid: &TurbidMedium,
     is_ground: &[bool],
     surfaces: BandSurfaces,
     light: Light,
@@ -48,7 +48,7 @@ pub fn entry(
     Entry { meta, medium }
 }
 
-fn medium(turbid: &Turbid, is_ground: &[bool]) -> Medium {
+fn medium(turbid: &TurbidMedium, is_ground: &[bool]) -> Medium {
     let mut medium = Medium::empty(turbid.grid);
     for site in turbid.sites() {
         let site = site as usize;
@@ -64,7 +64,7 @@ fn medium(turbid: &Turbid, is_ground: &[bool]) -> Medium {
     medium
 }
 
-fn bounds_m(turbid: &Turbid) -> Bounds {
+fn bounds_m(turbid: &TurbidMedium) -> Bounds {
     let [min, max] = turbid.grid.extent_m(&turbid.sites()).unwrap_or([turbid.grid.origin_m; 2]);
     Bounds { min, max }
 }

@@ -4,7 +4,7 @@
 //! middle of their matter, so that what a forest of thousands costs does not depend on how finely its species were
 //! baked. Where sites are larger than that, they are cut.
 
-use flb_format::Turbid;
+use flb_format::TurbidMedium;
 
 /// Optical area that one point stands for.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -19,7 +19,7 @@ pub(super) struct Grain {
 const MAX_PARTS: u32 = 8;
 
 /// The grains of a medium, none standing for more than `edge_m` along any axis, in a fixed order.
-pub(super) fn grains(turbid: &Turbid, edge_m: f64) -> Vec<Grain> {
+pub(super) fn grains(turbid: &TurbidMedium, edge_m: f64) -> Vec<Grain> {
     let n = turbid.grid.lattice as usize;
     let spacing_m = turbid.grid.spacing_m;
     let mut block = 1;
@@ -57,7 +57,7 @@ pub(super) fn grains(turbid: &Turbid, edge_m: f64) -> Vec<Grain> {
 }
 
 /// Sites cut into parts of `edge_m` or less.
-fn cut(turbid: &Turbid, edge_m: f64) -> Vec<Grain> {
+fn cut(turbid: &TurbidMedium, edge_m: f64) -> Vec<Grain> {
     let spacing_m = turbid.grid.spacing_m;
     let parts = (libm::ceil(spacing_m / edge_m) as u32).min(MAX_PARTS);
     let share = spacing_m * spacing_m * spacing_m / f64::from(parts * parts * parts);

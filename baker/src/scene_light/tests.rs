@@ -18,7 +18,7 @@ fn instance(position_m: [f64; 3], scale: f64) -> Placement {
 }
 
 /// A ball of leaves with a core of wood, its lowest point the origin.
-fn ball(lattice: u32, radius_m: f64, per_m: f32) -> Turbid {
+fn ball(lattice: u32, radius_m: f64, per_m: f32) -> TurbidMedium {
     let spacing_m = 2.0 * radius_m / f64::from(lattice - 6);
     let half = spacing_m * f64::from(lattice) / 2.0;
     let grid = Grid { lattice, origin_m: [-half, radius_m - half, -half], spacing_m };
@@ -39,10 +39,10 @@ fn ball(lattice: u32, radius_m: f64, per_m: f32) -> Turbid {
             }
         }
     }
-    Turbid { grid, leaf_per_m, wood_per_m, angles: LeafAngles::spherical() }
+    TurbidMedium { grid, leaf_per_m, wood_per_m, angles: LeafAngles::spherical() }
 }
 
-fn plant<'a>(turbid: &'a Turbid, [reflectance, transmittance, wood]: [f64; 3]) -> Plant<'a> {
+fn plant<'a>(turbid: &'a TurbidMedium, [reflectance, transmittance, wood]: [f64; 3]) -> Plant<'a> {
     Plant { name: "ball", turbid, surfaces: band(reflectance, transmittance, wood) }
 }
 
@@ -52,7 +52,7 @@ fn plain(share: f64) -> Ground {
 }
 
 /// Leaf and wood, m^2; the ground does not count.
-fn areas(turbid: &Turbid, is_ground: &[bool]) -> [f64; 2] {
+fn areas(turbid: &TurbidMedium, is_ground: &[bool]) -> [f64; 2] {
     let volume = turbid.grid.spacing_m * turbid.grid.spacing_m * turbid.grid.spacing_m;
     [&turbid.leaf_per_m, &turbid.wood_per_m].map(|per_m| {
         let plants =
@@ -157,7 +157,7 @@ fn a_coarse_crown_is_as_open_as_the_fine_one_and_no_matter_is_made() {
     (0..gappy.grid.sites()).filter(|site| site / n % 8 < 4).for_each(|site| gappy.leaf_per_m[site] = 0.0);
     gappy.wood_per_m.fill(0.0);
     let instances = [instance([-15.0, 0.0, 0.0], 1.0), instance([15.0, 0.0, 0.0], 1.0)];
-    let alone = |turbid: &Turbid, lattice: u32| {
+    let alone = |turbid: &TurbidMedium, lattice: u32| {
         let plants = [plant(turbid, [0.1; 3])];
         Scenery::new(&plants, &instances, None, lattice).expect("a scene").alone(0).expect("a plant")
     };

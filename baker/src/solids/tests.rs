@@ -37,7 +37,7 @@ struct Lit {
 /// A mesh of wood and leaves with the light of its voxels, before solids have theirs.
 struct Plant {
     classed: ClassedMesh,
-    turbid: Turbid,
+    turbid: TurbidMedium,
     medium: Medium,
     received: Vec<Vec<[Received; 2]>>,
     solution: OrdinatesSolution,

@@ -4,7 +4,7 @@
 use flb_format::Field;
 use flb_transport::monte_carlo::judge::{self, Judgement, photons};
 use flb_transport::ordinates::{OrdinatesSettings, OrdinatesSolution, SiteAlbedos, TotalLight, near};
-use flb_transport::turbid::{BandScatter, Turbid};
+use flb_transport::turbid::{BandScatter, TurbidMedium};
 use serde::Serialize;
 
 use super::transport::Transport;
@@ -39,7 +39,7 @@ pub struct TruthError {
 impl Truth {
     /// Traces all bands and suns, or says why not. `albedos` are those that sites scattered with in the solve.
     pub(super) fn trace(
-        turbid: &Turbid,
+        turbid: &TurbidMedium,
         bands: &[BandScatter],
         albedos: &[SiteAlbedos],
         suns: &[[f64; 3]],
@@ -113,7 +113,8 @@ mod tests {
         let extinction = |density: &f32| 4.0 * density;
         let leaf_per_m: Vec<f32> = medium.density.iter().map(extinction).collect();
         let wood_per_m = vec![0.0; leaf_per_m.len()];
-        let turbid = Turbid { grid: medium.grid, leaf_per_m, wood_per_m, angles: LeafAngles::spherical() };
+        let turbid =
+            TurbidMedium { grid: medium.grid, leaf_per_m, wood_per_m, angles: LeafAngles::spherical() };
         let scatter = Scatter { albedo: 0.5, phase: Phase::ISOTROPIC };
         let bands = [BandScatter { leaf: scatter, wood: scatter }; 2];
         let suns = judge::suns(2);
@@ -146,7 +147,7 @@ mod tests {
     fn a_fine_lattice_is_not_traced_and_says_so() {
         let medium = media::empty(256);
         let extinction = vec![0.0; medium.grid.sites()];
-        let turbid = Turbid {
+        let turbid = TurbidMedium {
             grid: medium.grid,
             leaf_per_m: extinction.clone(),
             wood_per_m: extinction,

@@ -78,7 +78,7 @@ mod tests {
     use super::super::uncollided::tests::{DIRECTIONS, media, unit};
     use super::super::walk::{Step, Walker};
     use super::*;
-    use crate::turbid::Turbid;
+    use crate::turbid::TurbidMedium;
 
     #[test]
     fn crossings_are_those_of_rays_that_are_walked() {
@@ -87,7 +87,7 @@ mod tests {
         }
     }
 
-    fn are_those_that_are_walked(medium: &Turbid) {
+    fn are_those_that_are_walked(medium: &TurbidMedium) {
         let sites = medium.sites();
         let places = Sites::new(&medium.grid, &sites);
         for direction in DIRECTIONS.map(unit) {

@@ -5,7 +5,7 @@
 //! of sigma phi_0 / sum of sigma. Where the fields ask for it the last is what comes in after one even scattering
 //! ([`super::single`]), and one cube is enough.
 
-use crate::turbid::Turbid;
+use crate::turbid::TurbidMedium;
 
 use super::single::{self, OrdinateTracks, scattered_once};
 use super::sites::Sites;
@@ -54,7 +54,7 @@ impl NearBeam {
 
 /// Makes the near beam of any sun.
 pub struct Near<'m> {
-    medium: &'m Turbid,
+    medium: &'m TurbidMedium,
     sites: &'m [u32],
     places: Sites,
     /// How far each cube reaches, and 1 / sum of the extinction over it, `[site]`.
@@ -66,7 +66,7 @@ pub struct Near<'m> {
 impl<'m> Near<'m> {
     /// Prepares the near beam of the medium's non-empty sites. With `single` the rays of the light scattered once are
     /// laid: 12 bytes for each crossing of a site, and some 60 for each of one axis while it is laid.
-    pub fn new(medium: &'m Turbid, sites: &'m [u32], single: bool) -> Near<'m> {
+    pub fn new(medium: &'m TurbidMedium, sites: &'m [u32], single: bool) -> Near<'m> {
         let near = Near::of_cubes(medium, sites, reaches(single));
         if !single {
             return near;
@@ -78,7 +78,7 @@ impl<'m> Near<'m> {
     /// Prepares the near beam with the light scattered once, the rays laid by the caller's threads: `lay_all` calls
     /// what it is given for each of [`single::axes`], and keeps their order.
     pub fn with_single(
-        medium: &'m Turbid,
+        medium: &'m TurbidMedium,
         sites: &'m [u32],
         lay_all: impl FnOnce(&(dyn Fn(&Ordinate) -> OrdinateTracks + Sync)) -> Vec<OrdinateTracks>,
     ) -> Near<'m> {
@@ -87,7 +87,7 @@ impl<'m> Near<'m> {
         Near { axes: Some(axes), ..near }
     }
 
-    fn of_cubes(medium: &'m Turbid, sites: &'m [u32], reaches: &[u32]) -> Near<'m> {
+    fn of_cubes(medium: &'m TurbidMedium, sites: &'m [u32], reaches: &[u32]) -> Near<'m> {
         let ones = vec![1.0; sites.len()];
         let inverse =
             |reach| cube_sums(medium, sites, &ones, reach).into_iter().map(|sum| 1.0 / sum).collect();
@@ -125,7 +125,7 @@ impl<'m> Near<'m> {
 }
 
 /// Sums of extinction x value over the cube around each non-empty site; the order of additions is fixed by the lattice.
-fn cube_sums(medium: &Turbid, sites: &[u32], values: &[f32], reach: u32) -> Vec<f64> {
+fn cube_sums(medium: &TurbidMedium, sites: &[u32], values: &[f32], reach: u32) -> Vec<f64> {
     let n = medium.grid.lattice as usize;
     let mut cube = vec![0.0_f64; n * n * n];
     for (&site, &value) in sites.iter().zip(values) {

@@ -5,7 +5,7 @@
 //! It is marched along the 110 ordinates; 18 tell nothing, 50 a little less.
 
 use crate::ordinates::{Ordinate, Ordinates, rays_for};
-use crate::turbid::Turbid;
+use crate::turbid::TurbidMedium;
 
 use super::crossings::{Crossing, crossings};
 use super::passing::Passing;
@@ -42,7 +42,7 @@ pub fn axes() -> Vec<Ordinate> {
 
 impl OrdinateTracks {
     /// Lays rays along an ordinate of [`axes`].
-    pub fn lay(medium: &Turbid, places: &Sites, sites: &[u32], ordinate: &Ordinate) -> OrdinateTracks {
+    pub fn lay(medium: &TurbidMedium, places: &Sites, sites: &[u32], ordinate: &Ordinate) -> OrdinateTracks {
         let depth = depth_per_edge(medium, sites, ordinate.direction);
         let found = crossings(places, ordinate.direction, rays(medium.grid.lattice));
         let mut lengths = vec![0.0_f32; sites.len()];

@@ -1,6 +1,6 @@
 //! Light of a sun that no site has scattered yet: the mean of exp(-optical depth) over each site.
 
-use crate::turbid::Turbid;
+use crate::turbid::TurbidMedium;
 
 use super::passing::{LANES, Passings, sum};
 use super::sites::Sites;
@@ -19,7 +19,13 @@ pub struct Beam {
 
 /// The beam of a sun that stands along `towards_sun` (a unit vector); `rays` per site edge are marched. Along a ray the
 /// means are exact.
-pub fn uncollided(medium: &Turbid, places: &Sites, sites: &[u32], towards_sun: [f64; 3], rays: u32) -> Beam {
+pub fn uncollided(
+    medium: &TurbidMedium,
+    places: &Sites,
+    sites: &[u32],
+    towards_sun: [f64; 3],
+    rays: u32,
+) -> Beam {
     let depth = depth_per_edge(medium, sites, towards_sun);
     let mut beam = Beam { towards_sun, mean: vec![0.0; sites.len()], slope: vec![[0.0; 3]; sites.len()] };
     let travel = towards_sun.map(|c| -c);
@@ -73,7 +79,7 @@ pub fn uncollided(medium: &Turbid, places: &Sites, sites: &[u32], towards_sun: [
 }
 
 /// Optical depth of an edge of each non-empty site, for light along a unit direction or back.
-pub fn depth_per_edge(medium: &Turbid, sites: &[u32], direction: [f64; 3]) -> Vec<f32> {
+pub fn depth_per_edge(medium: &TurbidMedium, sites: &[u32], direction: [f64; 3]) -> Vec<f32> {
     let along = |&site: &u32| {
         let depth = medium.extinction_along(site as usize, direction[1]) * medium.grid.spacing_m;
         // Finite, so that it is nothing on no way.
@@ -112,7 +118,7 @@ pub(super) mod tests {
     }
 
     /// A grid with matter here and there, dense and thin, some of it at the walls.
-    pub(crate) fn medium(lattice: u32) -> Turbid {
+    pub(crate) fn medium(lattice: u32) -> TurbidMedium {
         let grid = Grid { lattice, spacing_m: 0.5, origin_m: [0.0; 3] };
         let mut state = 1u32;
         let mut random = || {
@@ -122,11 +128,11 @@ pub(super) mod tests {
         let density = |_| if random() < 0.2 { 20.0 * random() * random() * random() } else { 0.0 };
         let leaf_per_m: Vec<f32> = (0..grid.sites()).map(density).collect();
         let wood_per_m = vec![0.0; leaf_per_m.len()];
-        Turbid { grid, leaf_per_m, wood_per_m, angles: LeafAngles::spherical() }
+        TurbidMedium { grid, leaf_per_m, wood_per_m, angles: LeafAngles::spherical() }
     }
 
     /// [`medium`], and one with matter far from the walls, a layer thin.
-    pub(crate) fn media() -> [Turbid; 2] {
+    pub(crate) fn media() -> [TurbidMedium; 2] {
         let mut small = medium(16);
         for site in 0..small.leaf_per_m.len() {
             let [x, y, z] = small.grid.site(site);
@@ -144,7 +150,7 @@ pub(super) mod tests {
         }
     }
 
-    fn is_ray_by_ray(medium: &Turbid) {
+    fn is_ray_by_ray(medium: &TurbidMedium) {
         let sites = medium.sites();
         let places = Sites::new(&medium.grid, &sites);
         for towards_sun in DIRECTIONS.map(unit) {
@@ -171,7 +177,7 @@ pub(super) mod tests {
 
     #[test]
     fn no_sites_have_no_beam() {
-        let medium = Turbid { leaf_per_m: vec![0.0; 16 * 16 * 16], ..medium(16) };
+        let medium = TurbidMedium { leaf_per_m: vec![0.0; 16 * 16 * 16], ..medium(16) };
         let places = Sites::new(&medium.grid, &[]);
         assert!(uncollided(&medium, &places, &[], [0.0, 1.0, 0.0], 4).mean.is_empty());
     }

@@ -10,7 +10,7 @@ use super::sites::Sites;
 use super::sweep::SHORTEST;
 use super::uncollided::{Beam, depth_per_edge};
 use crate::Grid;
-use crate::turbid::Turbid;
+use crate::turbid::TurbidMedium;
 
 /// No site: the place is empty.
 const EMPTY: u32 = u32::MAX;
@@ -172,7 +172,7 @@ impl Layer<'_> {
 }
 
 /// Computes [`uncollided`](super::uncollided) ray by ray.
-pub fn uncollided_ray_by_ray(medium: &Turbid, sites: &[u32], towards_sun: [f64; 3], rays: u32) -> Beam {
+pub fn uncollided_ray_by_ray(medium: &TurbidMedium, sites: &[u32], towards_sun: [f64; 3], rays: u32) -> Beam {
     let depth = depth_per_edge(medium, sites, towards_sun);
     let travel = towards_sun.map(|c| -c as f32);
     // Sums over the crossings: length, light, light x offset from the site's centre.

@@ -32,7 +32,7 @@ pub fn most_bytes(lattice: u32, bands: u32) -> u64 {
 pub struct Averages {
     /// Averages of the blocks, `[component][rank]`, in steps.
     pub blocks: Vec<Vec<i16>>,
-    /// `[component][Morton code]` over the grid of [`coarse::edge`]; empty where the map is full.
+    /// `[component][Morton code]` over the grid of [`coarse::edge`](super::coarse::edge); empty where the map is full.
     pub coarse: Vec<Vec<i16>>,
 }
 

@@ -42,7 +42,7 @@ fn extinction_follows_the_direction_for_leaves_only() {
     let mut leaf_per_m = vec![0.0; grid.sites()];
     let mut wood_per_m = vec![0.0; grid.sites()];
     (leaf_per_m[5], wood_per_m[5], wood_per_m[9]) = (2.0, 1.0, 4.0);
-    let turbid = Turbid { grid, leaf_per_m, wood_per_m, angles: LeafAngles::planophile() };
+    let turbid = TurbidMedium { grid, leaf_per_m, wood_per_m, angles: LeafAngles::planophile() };
     assert_eq!(turbid.sites(), [5, 9]);
     assert_eq!(turbid.extinction(5), 3.0);
     assert_eq!(turbid.extinction_along(9, 1.0), 4.0);

@@ -73,7 +73,7 @@ fn physical(name: &str) -> SpeciesFields {
     fields.meta.model = Model::Physical { surfaces, light };
     let (grid, angles) = (fields.meta.grid, LeafAngles::spherical());
     let leaf_per_m = fields.medium.leaf_area_density.iter().map(|area| area / 2.0).collect();
-    fields.turbid = Some(Turbid { grid, leaf_per_m, wood_per_m: vec![0.0; grid.sites()], angles });
+    fields.turbid = Some(TurbidMedium { grid, leaf_per_m, wood_per_m: vec![0.0; grid.sites()], angles });
     fields
 }
 

@@ -129,7 +129,7 @@ fn leaf_is_grey_and_wood_is_tinted() {
 #[test]
 fn extinction_shows_both_its_parts() {
     let medium = medium();
-    let turbid = Turbid {
+    let turbid = TurbidMedium {
         grid: medium.grid,
         leaf_per_m: medium.leaf_area_density.iter().map(|area| area / 2.0).collect(),
         wood_per_m: medium.wood_area_density.iter().map(|area| area * 2.0).collect(),

@@ -7,7 +7,7 @@ use flb_format::sun::directions::SunDirections;
 use flb_format::sun::towards_sun;
 use flb_format::{
     BandSurfaces, Class, Field, FieldKind, Grid, LeafAngles, LeafSurface, Light, LightError, Medium, Model,
-    MonteCarloError, Optics, SpeciesMeta, SunBasis, Surfaces, Turbid, WoodSurface,
+    MonteCarloError, Optics, SpeciesMeta, SunBasis, Surfaces, TurbidMedium, WoodSurface,
 };
 use flb_packer::{EncodeSettings, SpeciesFields, encode_species, write_library_to};
 
@@ -77,12 +77,12 @@ pub(crate) fn species_at(lattice: u32, name: &str, bands: u32, bases: &[u8]) -> 
 }
 
 /// Extinction where the medium has matter; more leaf above, more wood below.
-fn turbid(grid: Grid, angles: LeafAngles) -> Turbid {
+fn turbid(grid: Grid, angles: LeafAngles) -> TurbidMedium {
     let per_m = |share: fn(f32) -> f32| -> Vec<f32> {
         let of_site = |(i, density): (usize, &f32)| density * share((i / 16 % 16) as f32 / 16.0);
         medium(grid).density.iter().enumerate().map(of_site).collect()
     };
-    Turbid { grid, leaf_per_m: per_m(|y| 4.0 * y), wood_per_m: per_m(|y| 0.5 - y / 2.0), angles }
+    TurbidMedium { grid, leaf_per_m: per_m(|y| 4.0 * y), wood_per_m: per_m(|y| 0.5 - y / 2.0), angles }
 }
 
 /// Of the model `physical`. Coefficients of harmonics may be negative, and their base 0 is not 18 times as bright.

@@ -6,7 +6,7 @@ use flb_format::meta::{Bounds, TriangleCounts};
 use flb_format::sun::directions::SunDirections;
 use flb_format::{
     BandSurfaces, BaseSet, Class, Codec, Container, Field, FieldKind, Grid, LeafAngles, LeafSurface, Light,
-    LightError, Medium, Model, Optics, SpeciesMeta, SunBasis, Surfaces, Turbid, WoodSurface,
+    LightError, Medium, Model, Optics, SpeciesMeta, SunBasis, Surfaces, TurbidMedium, WoodSurface,
 };
 use flb_packer::leave_out::{keep_bases, keep_coded_bases};
 use flb_packer::{
@@ -236,7 +236,7 @@ fn physical(suns: &SunBasis) -> SpeciesFields {
     fields.meta.model = Model::Physical { surfaces, light };
     let leaf_per_m = fields.medium.density.iter().map(|density| density * 3.0).collect();
     let (grid, angles) = (fields.meta.grid, LeafAngles::planophile());
-    fields.turbid = Some(Turbid { grid, leaf_per_m, wood_per_m: vec![0.0; 4096], angles });
+    fields.turbid = Some(TurbidMedium { grid, leaf_per_m, wood_per_m: vec![0.0; 4096], angles });
     if *suns != SunBasis::Lattice18 {
         fields.bases = suns.item_numbers().map(|item| (item, fields.bases[0].1.clone())).collect();
     }
@@ -260,7 +260,7 @@ fn physical_species_that_do_not_fit_are_refused() {
     );
     let text = refusal(|f, _| f.turbid = physical(lattice).turbid);
     assert!(text.contains("the extinction of species \"oak\" is given"), "{text}");
-    let turbid = |edit: fn(&mut Turbid)| {
+    let turbid = |edit: fn(&mut TurbidMedium)| {
         physical_refusal(degree_2, |f| edit(f.turbid.as_mut().expect("it is physical")))
     };
     assert!(turbid(|t| t.grid.spacing_m = 1.0).starts_with("the extinction's grid"));

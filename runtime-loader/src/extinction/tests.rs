@@ -6,7 +6,7 @@ use crate::near_beam::dense;
 const N: u32 = 32;
 
 /// Clumps of leaves and a stem, most blocks empty.
-fn clumps() -> Turbid {
+fn clumps() -> TurbidMedium {
     let grid = Grid { lattice: N, origin_m: [-0.8, 0.1, 2.0], spacing_m: 0.25 };
     let (mut leaf_per_m, mut wood_per_m) = (vec![0.0; grid.sites()], vec![0.0; grid.sites()]);
     for site in 0..grid.sites() {
@@ -20,7 +20,7 @@ fn clumps() -> Turbid {
             wood_per_m[site] = 3.0;
         }
     }
-    Turbid { grid, leaf_per_m, wood_per_m, angles: LeafAngles::planophile() }
+    TurbidMedium { grid, leaf_per_m, wood_per_m, angles: LeafAngles::planophile() }
 }
 
 /// Points inside and outside, and directions: any, along axes, and through edges of sites.
@@ -104,7 +104,8 @@ fn what_is_not_a_number_ends() {
 fn nothing_takes_a_block_and_stops_nothing() {
     let grid = Grid { lattice: 16, origin_m: [0.0; 3], spacing_m: 1.0 };
     let none = || vec![0.0; grid.sites()];
-    let turbid = Turbid { grid, leaf_per_m: none(), wood_per_m: none(), angles: LeafAngles::spherical() };
+    let turbid =
+        TurbidMedium { grid, leaf_per_m: none(), wood_per_m: none(), angles: LeafAngles::spherical() };
     let extinction = Extinction::of(&turbid);
     let ray = extinction.ray([8.0; 3], [0.0, 1.0, 0.0]);
     assert_eq!(extinction.travel(&ray, 0.0), Travel::Out { depth: 0.0 });

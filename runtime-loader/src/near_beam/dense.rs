@@ -1,16 +1,16 @@
 //! The sun's beam at a point by the dense extinction, in binary64: for points that lie near no site, and what the
 //! faster ways of [`Extinction`](crate::extinction::Extinction) are held against.
 
-use flb_format::Turbid;
+use flb_format::TurbidMedium;
 
 /// Share of the sun's light that comes to a point, in lattice coordinates, unscattered.
-pub(crate) fn transmittance(turbid: &Turbid, point: [f64; 3], towards_sun: [f64; 3]) -> f32 {
+pub(crate) fn transmittance(turbid: &TurbidMedium, point: [f64; 3], towards_sun: [f64; 3]) -> f32 {
     libm::expf(-depth(turbid, point, towards_sun) as f32)
 }
 
 /// Optical depth from a point, in lattice coordinates, along a direction until the lattice ends, exactly through every
 /// site (3D DDA, Amanatides and Woo 1987).
-pub(crate) fn depth(turbid: &Turbid, point: [f64; 3], direction: [f64; 3]) -> f64 {
+pub(crate) fn depth(turbid: &TurbidMedium, point: [f64; 3], direction: [f64; 3]) -> f64 {
     let n = turbid.grid.lattice as usize;
     // Where the ray is inside the lattice.
     let (mut enter, mut leave) = (0.0_f64, f64::INFINITY);

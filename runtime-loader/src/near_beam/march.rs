@@ -10,7 +10,7 @@
 use std::borrow::Cow;
 use std::f32::consts::PI;
 
-use flb_format::Turbid;
+use flb_format::TurbidMedium;
 use flb_format::beam::{MAX_MEANS, means, reaches};
 use flb_format::sample::corners;
 
@@ -47,7 +47,7 @@ pub struct Marcher<'e> {
 
 impl<'e> Marcher<'e> {
     /// Makes a marcher for a medium; `single` says whether the fields need light scattered once.
-    pub fn new(turbid: &Turbid, single: bool) -> Marcher<'static> {
+    pub fn new(turbid: &TurbidMedium, single: bool) -> Marcher<'static> {
         Marcher { extinction: Cow::Owned(Extinction::of(turbid)), single }
     }
 

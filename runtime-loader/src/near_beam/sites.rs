@@ -2,7 +2,7 @@
 
 use flb_format::beam::{MAX_MEANS, Near};
 use flb_format::sample::{corners, locate};
-use flb_format::{FormatError, Place, SunBasis, Turbid, room};
+use flb_format::{FormatError, Place, SunBasis, TurbidMedium, room};
 
 use super::{PreparedSun, dense, everywhere};
 use crate::SunTerms;
@@ -14,7 +14,7 @@ const EMPTY: u32 = u32::MAX;
 /// The extinction at every site, and which of them hold matter.
 #[derive(Debug)]
 pub(crate) struct MediumSites {
-    turbid: Turbid,
+    turbid: TurbidMedium,
     /// Sites with matter, ascending.
     sites: Vec<u32>,
     /// `[site]`: place in `sites`, or [`EMPTY`].
@@ -26,7 +26,7 @@ impl MediumSites {
     ///
     /// # Errors
     /// Where there is no memory for the lists.
-    pub(crate) fn new(turbid: Turbid) -> Result<MediumSites, FormatError> {
+    pub(crate) fn new(turbid: TurbidMedium) -> Result<MediumSites, FormatError> {
         // A list of sites that grows is copied to one of twice its length.
         room::ask(Place::file(0), "sites with matter", 8 * turbid.grid.sites() as u64)?;
         let place = room::filled(Place::file(0), "places of sites", EMPTY, turbid.grid.sites())?;
@@ -40,14 +40,14 @@ impl MediumSites {
         MediumSites::listed(turbid, place)
     }
 
-    fn listed(turbid: Turbid, mut place: Vec<u32>) -> MediumSites {
+    fn listed(turbid: TurbidMedium, mut place: Vec<u32>) -> MediumSites {
         let sites = turbid.sites();
         (0..).zip(&sites).for_each(|(at, &site)| place[site as usize] = at);
         MediumSites { turbid, sites, place }
     }
 
     /// The extinction, in m^-1.
-    pub(crate) fn turbid(&self) -> &Turbid {
+    pub(crate) fn turbid(&self) -> &TurbidMedium {
         &self.turbid
     }
 

@@ -24,7 +24,7 @@ fn grid() -> Grid {
 }
 
 /// A ragged ball: seven of ten sites of it hold leaf, some wood as well.
-fn turbid() -> Turbid {
+fn turbid() -> TurbidMedium {
     let (mut leaf_per_m, mut wood_per_m) = (vec![0.0; grid().sites()], vec![0.0; grid().sites()]);
     for site in 0..grid().sites() {
         let at = grid().site(site).map(|c| c as f32 - 7.5);
@@ -34,7 +34,7 @@ fn turbid() -> Turbid {
             wood_per_m[site] = if noise > 220 { 2.0 } else { 0.0 };
         }
     }
-    Turbid { grid: grid(), leaf_per_m, wood_per_m, angles: LeafAngles::planophile() }
+    TurbidMedium { grid: grid(), leaf_per_m, wood_per_m, angles: LeafAngles::planophile() }
 }
 
 /// Smooth, different for every base and band, of either sign.
@@ -278,7 +278,7 @@ fn a_sampler_refuses_the_other_model() {
 #[test]
 fn a_march_follows_the_exponential_of_what_it_crosses() {
     let (leaf_per_m, wood_per_m) = (vec![0.3; grid().sites()], vec![0.2; grid().sites()]);
-    let full = Turbid { grid: grid(), leaf_per_m, wood_per_m, angles: LeafAngles::erectophile() };
+    let full = TurbidMedium { grid: grid(), leaf_per_m, wood_per_m, angles: LeafAngles::erectophile() };
     let diagonal = libm::sqrt(0.5);
     // Point in lattice coordinates, direction, way inside the lattice in site edges.
     let table = [

@@ -12,9 +12,9 @@ use crate::mesh::Mesh;
 #[serde(rename_all = "lowercase")]
 #[cfg_attr(feature = "clap", derive(clap::ValueEnum))]
 pub enum Up {
-    /// Axis y, as in glTF.
+    /// Up is +Y, as in glTF.
     Y,
-    /// Axis z, as in many modelling programs: (x, y, z) becomes (x, z, -y).
+    /// Up is +Z, as in many modelling programs: (x, y, z) becomes (x, z, -y).
     Z,
 }
 

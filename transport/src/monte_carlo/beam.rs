@@ -9,7 +9,7 @@ use glam::DVec3;
 
 use super::sites::Sites;
 use super::{MonteCarloError, check, in_order};
-use crate::turbid::{LeafAngles, Turbid};
+use crate::turbid::{LeafAngles, TurbidMedium};
 
 /// Parts of the work that are summed one after another.
 const PARTS: usize = 16;
@@ -17,11 +17,11 @@ const PARTS: usize = 16;
 /// Directions that stand for the whole sky.
 const SKY_DIRECTIONS: usize = 512;
 
-/// Mean over the volume of each non-empty site (in the order of [`Turbid::sites`]) of exp(-optical depth towards the
-/// sun): the fluence of a unit beam before its first collision. `toward_sun` is a unit vector in model space.
+/// Mean over the volume of each non-empty site (in the order of [`TurbidMedium::sites`]) of exp(-optical depth towards
+/// the sun): the fluence of a unit beam before its first collision. `toward_sun` is a unit vector in model space.
 /// `rays_per_site_edge` squared rays go through each site's face; 8 leave about 0.1 %.
 pub fn uncollided(
-    medium: &Turbid,
+    medium: &TurbidMedium,
     toward_sun: [f64; 3],
     rays_per_site_edge: u32,
 ) -> Result<Vec<f64>, MonteCarloError> {
@@ -37,7 +37,7 @@ pub fn uncollided(
 
 /// Returns the uncollided light from everywhere, below the plant too, of fluence 1 in empty space: the mean of
 /// [`uncollided`] over 512 directions spread evenly (a Fibonacci lattice), each with a quarter of the rays per edge.
-pub fn uncollided_sky(medium: &Turbid, rays_per_site_edge: u32) -> Result<Vec<f64>, MonteCarloError> {
+pub fn uncollided_sky(medium: &TurbidMedium, rays_per_site_edge: u32) -> Result<Vec<f64>, MonteCarloError> {
     check::medium(medium)?;
     check::rays(rays_per_site_edge)?;
     let sites = Sites::new(medium, [false; 3]);

@@ -1,6 +1,6 @@
 //! Refuses what cannot be traced before any of it is used.
 
-use crate::turbid::{BandScatter, Phase, Turbid};
+use crate::turbid::{BandScatter, Phase, TurbidMedium};
 
 use super::{MonteCarloError, Settings};
 
@@ -13,7 +13,7 @@ const MAX_RAYS: u32 = 1024;
 /// A direction may be this far from unit length: what three f32 leave, and some.
 const UNIT_SLACK: f64 = 1e-4;
 
-pub(super) fn medium(medium: &Turbid) -> Result<(), MonteCarloError> {
+pub(super) fn medium(medium: &TurbidMedium) -> Result<(), MonteCarloError> {
     let grid = &medium.grid;
     if !(1..=MAX_LATTICE).contains(&grid.lattice) {
         return Err(MonteCarloError::Lattice { found: grid.lattice, limit: MAX_LATTICE });
@@ -57,7 +57,7 @@ pub(super) fn scatter(scatter: &BandScatter) -> Result<(), MonteCarloError> {
     Ok(())
 }
 
-pub(super) fn albedos(albedos: Option<&[[f32; 2]]>, medium: &Turbid) -> Result<(), MonteCarloError> {
+pub(super) fn albedos(albedos: Option<&[[f32; 2]]>, medium: &TurbidMedium) -> Result<(), MonteCarloError> {
     let Some(albedos) = albedos else { return Ok(()) };
     let expected = medium.sites().len();
     if albedos.len() != expected {

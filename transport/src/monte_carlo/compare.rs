@@ -30,7 +30,7 @@ pub struct Difference {
 }
 
 /// Compares a field with two estimates of different seeds, over the non-empty sites in the order of
-/// [`Turbid::sites`](crate::turbid::Turbid::sites).
+/// [`TurbidMedium::sites`](crate::turbid::TurbidMedium::sites).
 pub fn compare(
     field: &[f64],
     estimates: [&Fluence; 2],

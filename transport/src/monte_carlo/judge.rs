@@ -9,7 +9,7 @@ use super::{
     ComparedLight, Difference, Fluence, Illumination, MonteCarloError, Settings, compare, trace_with,
 };
 use crate::ordinates::{OrdinatesSettings, OrdinatesSolution, SiteAlbedos};
-use crate::turbid::{BandScatter, Turbid};
+use crate::turbid::{BandScatter, TurbidMedium};
 
 /// Largest number of suns that [`suns`] gives.
 pub const MAX_SUNS: usize = 22;
@@ -78,7 +78,7 @@ impl Truth {
     /// # Errors
     /// As of [`trace_with`].
     pub fn trace(
-        medium: &Turbid,
+        medium: &TurbidMedium,
         near: &[Near],
         bands: &[BandScatter],
         albedos: Option<&[SiteAlbedos]>,

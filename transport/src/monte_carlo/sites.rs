@@ -4,7 +4,7 @@
 
 use glam::DVec3;
 
-use crate::turbid::Turbid;
+use crate::turbid::TurbidMedium;
 
 /// Marks a site of the box that holds nothing.
 const EMPTY: u32 = u32::MAX;
@@ -15,7 +15,8 @@ pub(super) struct Sites {
     pub size: [u32; 3],
     /// `[z][y][x]` of the box: the place among the non-empty sites, or [`EMPTY`].
     slots: Vec<u32>,
-    /// Mean extinction per edge, by leaves and by wood, of each non-empty site, in the order of [`Turbid::sites`].
+    /// Mean extinction per edge, by leaves and by wood, of each non-empty site, in the order of
+    /// [`TurbidMedium::sites`].
     pub matter: Vec<[f64; 2]>,
     /// Axes along which the box goes on for ever, by repetition. A plant has none; plane-parallel media have two.
     pub wraps: [bool; 3],
@@ -40,7 +41,7 @@ pub(super) enum End {
 
 impl Sites {
     /// Of a checked medium.
-    pub(super) fn new(medium: &Turbid, wraps: [bool; 3]) -> Sites {
+    pub(super) fn new(medium: &TurbidMedium, wraps: [bool; 3]) -> Sites {
         let full = medium.sites();
         let [low, high] = medium.grid.box_around(&full).expect("a checked medium holds matter");
         let size: [u32; 3] = std::array::from_fn(|axis| high[axis] - low[axis]);

@@ -8,14 +8,14 @@ mod refusals;
 use flb_format::Grid;
 
 use super::*;
-use crate::turbid::{BandScatter, LeafAngles, Phase, Scatter, Turbid};
+use crate::turbid::{BandScatter, LeafAngles, Phase, Scatter, TurbidMedium};
 
 /// Standard errors that two estimates may be apart: a fixed seed that passes once passes for ever, and a true fault of
 /// a few percent is tens of errors away.
 const ERRORS: f64 = 4.0;
 
 /// A medium of leaves with the given extinction per site, and sites of half a metre.
-fn medium(lattice: u32, extinction: impl Fn([f64; 3]) -> f64) -> Turbid {
+fn medium(lattice: u32, extinction: impl Fn([f64; 3]) -> f64) -> TurbidMedium {
     let grid = Grid { lattice, origin_m: [-1.0, 2.0, 3.0], spacing_m: 0.5 };
     let mut leaf_per_m = vec![0.0; grid.sites()];
     for z in 0..lattice {
@@ -27,11 +27,11 @@ fn medium(lattice: u32, extinction: impl Fn([f64; 3]) -> f64) -> Turbid {
         }
     }
     let wood_per_m = vec![0.0; grid.sites()];
-    Turbid { grid, leaf_per_m, wood_per_m, angles: LeafAngles::spherical() }
+    TurbidMedium { grid, leaf_per_m, wood_per_m, angles: LeafAngles::spherical() }
 }
 
 /// A ball of radius 5 in 16^3, of optical depth `depth` across.
-fn ball(depth: f64) -> Turbid {
+fn ball(depth: f64) -> TurbidMedium {
     medium(16, |center| {
         let square: f64 = center.iter().map(|c| (c - 8.0) * (c - 8.0)).sum();
         if square < 25.0 { depth / 10.0 } else { 0.0 }
@@ -39,7 +39,7 @@ fn ball(depth: f64) -> Turbid {
 }
 
 /// Clumps of very unlike extinction, leaf and wood, and holes: the same for everybody.
-fn clumps() -> Turbid {
+fn clumps() -> TurbidMedium {
     let mut clumps = medium(16, |center| {
         let mix = libm::sin(center[0] * 12.9 + center[1] * 78.2 + center[2] * 37.7) * 43758.5;
         let draw = mix - mix.floor();

@@ -2,7 +2,7 @@
 
 use flb_format::BaseSet;
 use flb_format::sun::harmonics::MAX_DEGREE;
-use flb_format::turbid::Turbid;
+use flb_format::turbid::TurbidMedium;
 
 use super::{MAX_RAYS, OrdinatesSettings, SunBasis, Surroundings};
 use crate::turbid::BandScatter;
@@ -67,7 +67,7 @@ pub enum OrdinatesError {
 }
 
 pub(super) fn check(
-    medium: &Turbid,
+    medium: &TurbidMedium,
     bands: &[BandScatter],
     settings: &OrdinatesSettings,
 ) -> Result<(), OrdinatesError> {

@@ -14,7 +14,7 @@ use prefetch_index::prefetch_index;
 use rayon::prelude::*;
 
 use super::lanes::{LANES, Lanes};
-use crate::turbid::{Phase, Turbid};
+use crate::turbid::{Phase, TurbidMedium};
 
 use super::moments::{Moments, ScatteringMoments, degree};
 use flb_format::ordinates::{Ordinate, Ordinates};
@@ -182,7 +182,7 @@ pub(super) struct March {
 
 impl March {
     /// Lays `rays` per site edge along every ordinate. `sites` are the medium's non-empty ones.
-    pub(super) fn new(medium: &Turbid, sites: &[u32], ordinates: Ordinates, rays: u32) -> March {
+    pub(super) fn new(medium: &TurbidMedium, sites: &[u32], ordinates: Ordinates, rays: u32) -> March {
         let places = Sites::new(&medium.grid, sites);
         let axes: Vec<OrdinateTracks> =
             ordinates.axes().par_iter().map(|ordinate| lay(medium, &places, sites, ordinate, rays)).collect();
@@ -410,7 +410,13 @@ fn cross<const M: usize>(
     }
 }
 
-fn lay(medium: &Turbid, places: &Sites, sites: &[u32], ordinate: &Ordinate, rays: u32) -> OrdinateTracks {
+fn lay(
+    medium: &TurbidMedium,
+    places: &Sites,
+    sites: &[u32],
+    ordinate: &Ordinate,
+    rays: u32,
+) -> OrdinateTracks {
     let depth = depth_per_edge(medium, sites, ordinate.direction);
     let found = crossings(places, ordinate.direction, rays);
     // Per site: sums of length, and of length x middle.

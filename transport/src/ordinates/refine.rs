@@ -2,11 +2,11 @@
 
 use flb_format::Grid;
 use flb_format::beam::{BEAM_RAYS, Beam, Sites, uncollided};
-use flb_format::turbid::Turbid;
+use flb_format::turbid::TurbidMedium;
 
 /// A medium on a lattice twice as fine, with the same extinction everywhere.
 pub(super) struct Refined {
-    pub medium: Turbid,
+    pub medium: TurbidMedium,
     /// Non-empty sites of the refined medium.
     pub sites: Vec<u32>,
     places: Sites,
@@ -21,11 +21,11 @@ const PARTS: f32 = 8.0;
 
 impl Refined {
     /// `sites` are the medium's non-empty ones.
-    pub(super) fn new(medium: &Turbid, sites: &[u32]) -> Refined {
+    pub(super) fn new(medium: &TurbidMedium, sites: &[u32]) -> Refined {
         let Grid { lattice, origin_m, spacing_m } = medium.grid;
         let n = lattice as usize;
         let grid = Grid { lattice: 2 * lattice, origin_m, spacing_m: spacing_m / 2.0 };
-        let mut fine = Turbid {
+        let mut fine = TurbidMedium {
             grid,
             leaf_per_m: vec![0.0; grid.sites()],
             wood_per_m: vec![0.0; grid.sites()],

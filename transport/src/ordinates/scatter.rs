@@ -3,7 +3,7 @@
 use std::sync::atomic::{AtomicUsize, Ordering};
 
 use flb_format::beam::Beam;
-use flb_format::turbid::Turbid;
+use flb_format::turbid::TurbidMedium;
 use rayon::prelude::*;
 
 use super::OrdinatesSettings;
@@ -29,7 +29,7 @@ const SLIGHT: f64 = 0.1;
 
 impl Band {
     /// For the medium's non-empty sites; what they have of their own is in place of `scatter`.
-    pub(super) fn new(medium: &Turbid, sites: &[u32], scatter: &BandScatter, own: &Own) -> Band {
+    pub(super) fn new(medium: &TurbidMedium, sites: &[u32], scatter: &BandScatter, own: &Own) -> Band {
         match own.transmitted {
             None => Band::alike(medium, sites, scatter, own.albedos),
             Some(transmitted) => Band::mixed(medium, sites, scatter, own.albedos, transmitted),
@@ -37,7 +37,12 @@ impl Band {
     }
 
     /// Leaf and wood that scatter by one phase function each.
-    fn alike(medium: &Turbid, sites: &[u32], scatter: &BandScatter, albedos: Option<&[[f32; 2]]>) -> Band {
+    fn alike(
+        medium: &TurbidMedium,
+        sites: &[u32],
+        scatter: &BandScatter,
+        albedos: Option<&[[f32; 2]]>,
+    ) -> Band {
         let both = [&scatter.leaf, &scatter.wood];
         let wood_share =
             |site: usize| f64::from(medium.wood_per_m[site]) / f64::from(medium.extinction(site));
@@ -72,7 +77,7 @@ impl Band {
     /// Facets of which each site's leaves let another share through. All that is scattered either passes a facet or
     /// comes back from one, of leaf or of wood alike: two phase functions again.
     fn mixed(
-        medium: &Turbid,
+        medium: &TurbidMedium,
         sites: &[u32],
         scatter: &BandScatter,
         albedos: Option<&[[f32; 2]]>,

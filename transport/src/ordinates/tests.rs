@@ -11,7 +11,7 @@ use crate::monte_carlo::{self, ComparedLight, Fluence, Illumination};
 use crate::turbid::{Phase, Scatter};
 
 /// Extinction by a function of the place, from -1 to 1 along each axis; the outer two layers are empty.
-fn medium(lattice: u32, extinction: impl Fn([f64; 3]) -> f32) -> Turbid {
+fn medium(lattice: u32, extinction: impl Fn([f64; 3]) -> f32) -> TurbidMedium {
     let grid = Grid { lattice, origin_m: [0.0; 3], spacing_m: 0.5 };
     let at = |i: usize| {
         let place = grid.site(i);
@@ -20,11 +20,16 @@ fn medium(lattice: u32, extinction: impl Fn([f64; 3]) -> f32) -> Turbid {
         if inside { extinction(place.map(along)) } else { 0.0 }
     };
     let leaf_per_m: Vec<f32> = (0..grid.sites()).map(at).collect();
-    Turbid { grid, wood_per_m: vec![0.0; leaf_per_m.len()], leaf_per_m, angles: LeafAngles::spherical() }
+    TurbidMedium {
+        grid,
+        wood_per_m: vec![0.0; leaf_per_m.len()],
+        leaf_per_m,
+        angles: LeafAngles::spherical(),
+    }
 }
 
 /// A ball of an optical depth, across.
-fn ball(lattice: u32, depth: f64) -> Turbid {
+fn ball(lattice: u32, depth: f64) -> TurbidMedium {
     let across_m = 0.8 * f64::from(lattice) * 0.5;
     medium(
         lattice,
@@ -33,7 +38,7 @@ fn ball(lattice: u32, depth: f64) -> Turbid {
 }
 
 /// Clumps of very different density.
-fn clumps(lattice: u32) -> Turbid {
+fn clumps(lattice: u32) -> TurbidMedium {
     medium(lattice, |[x, y, z]| {
         let wave = libm::sin(7.0 * x + 2.0 * z) * libm::sin(5.0 * y - 1.0) * libm::sin(6.0 * z + 3.0 * y);
         if x * x + y * y + z * z < 0.8 && wave > 0.2 { (2.0 * wave) as f32 } else { 0.0 }
@@ -44,7 +49,7 @@ fn both(albedo: f64, phase: Phase) -> BandScatter {
     BandScatter { leaf: Scatter { albedo, phase }, wood: Scatter { albedo, phase } }
 }
 
-fn solved(medium: &Turbid, scatter: BandScatter, settings: &OrdinatesSettings) -> OrdinatesSolution {
+fn solved(medium: &TurbidMedium, scatter: BandScatter, settings: &OrdinatesSettings) -> OrdinatesSolution {
     solve(medium, &[scatter], settings, &|_| {}).unwrap()
 }
 
@@ -357,10 +362,11 @@ fn a_plant_without_matter_is_dark_but_for_the_sky() {
 fn bad_input_is_refused_by_name() {
     let good = ball(16, 1.0);
     let scatter = both(0.5, Phase::ISOTROPIC);
-    let refused = |medium: &Turbid, bands: &[BandScatter], settings: &OrdinatesSettings, message: &str| {
-        let error = solve(medium, bands, settings, &|_| {}).unwrap_err().to_string();
-        assert_eq!(error, message);
-    };
+    let refused =
+        |medium: &TurbidMedium, bands: &[BandScatter], settings: &OrdinatesSettings, message: &str| {
+            let error = solve(medium, bands, settings, &|_| {}).unwrap_err().to_string();
+            assert_eq!(error, message);
+        };
     let settings = OrdinatesSettings::default();
     let mut short = good.clone();
     short.wood_per_m.pop();

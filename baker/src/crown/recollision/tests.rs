@@ -6,12 +6,12 @@ use super::*;
 const EDGE_M: f64 = 0.5;
 
 /// A lattice with one site of leaves of this extinction and one-sided area density.
-fn site(leaf_per_m: f64, area_per_m: f64) -> (Turbid, Medium) {
+fn site(leaf_per_m: f64, area_per_m: f64) -> (TurbidMedium, Medium) {
     let grid = Grid { lattice: 16, origin_m: [0.0; 3], spacing_m: EDGE_M };
     let at = grid.index(8, 8, 8);
     let mut medium = Medium::empty(grid);
     medium.leaf_area_density[at] = area_per_m as f32;
-    let mut turbid = Turbid {
+    let mut turbid = TurbidMedium {
         grid,
         leaf_per_m: vec![0.0; grid.sites()],
         wood_per_m: vec![0.0; grid.sites()],

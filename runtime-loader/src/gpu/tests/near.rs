@@ -1,6 +1,6 @@
 //! near.wgsl against the marches of the CPU.
 
-use flb_format::{Codec, Grid, LeafAngles, SunBasis, Turbid};
+use flb_format::{Codec, Grid, LeafAngles, SunBasis, TurbidMedium};
 
 use super::super::{GpuError, GpuLight, GpuSpeciesId, LightSettings, Term};
 use super::made::{self, Random};
@@ -28,7 +28,7 @@ const SUN: [f64; 3] = [0.48, 0.6, -0.64];
 const COUNT: u32 = 4000;
 
 /// A round crown with holes, whose depths are the same in binary16; spacing 1/4 m.
-fn crown(lattice: u32) -> Turbid {
+fn crown(lattice: u32) -> TurbidMedium {
     let grid = Grid { lattice, origin_m: [-4.0, 0.25, 2.0], spacing_m: 0.25 };
     let (mut leaf_per_m, mut wood_per_m) = (vec![0.0; grid.sites()], vec![0.0; grid.sites()]);
     let middle = (lattice as f32 - 1.0) / 2.0;
@@ -40,7 +40,7 @@ fn crown(lattice: u32) -> Turbid {
             wood_per_m[site] = if share > 0.95 { 2.0 } else { 0.0 };
         }
     }
-    Turbid { grid, leaf_per_m, wood_per_m, angles: LeafAngles::planophile() }
+    TurbidMedium { grid, leaf_per_m, wood_per_m, angles: LeafAngles::planophile() }
 }
 
 /// The sun's direction, then points all over the lattice and beyond.

@@ -52,12 +52,12 @@ fn rays_converge() {
 }
 
 /// Sites between two planes: one column of 8 layers that repeats for ever along x and z; per layer `depth`.
-fn slab(depth: f64) -> Turbid {
+fn slab(depth: f64) -> TurbidMedium {
     medium(16, |c| if c[0] == 5.5 && c[2] == 6.5 && (4.0..12.0).contains(&c[1]) { depth } else { 0.0 })
 }
 
 /// Scattered light in a slab under a sun at this cosine from the zenith, layers from below.
-fn in_slab(slab: &Turbid, scatter: &BandScatter, cosine: f64, settings: &Settings) -> walk::Walked {
+fn in_slab(slab: &TurbidMedium, scatter: &BandScatter, cosine: f64, settings: &Settings) -> walk::Walked {
     let level = (1.0 - cosine * cosine).sqrt();
     let light = Illumination::Sun([0.6 * level, cosine, -0.8 * level]);
     let sites = sites::Sites::new(slab, [true, false, true]);
@@ -160,7 +160,7 @@ fn light_from_everywhere_stays_even_where_nothing_is_absorbed() {
         wood: Scatter { albedo: 1.0, phase: Phase::HenyeyGreenstein { g: 0.5 } },
     };
     for angles in [LeafAngles::spherical(), LeafAngles::planophile(), LeafAngles::erectophile()] {
-        let medium = Turbid { angles, ..clumps() };
+        let medium = TurbidMedium { angles, ..clumps() };
         let f = trace(&medium, &unlike, Illumination::Sky, &photons(1 << 17), &quiet).unwrap();
         assert_within(mean(&f.total()), f.mean_error, 1.0, 0.01, "mean fluence");
         let score = |i: usize| (f.total()[i] - 1.0) / f.error[i];

@@ -7,7 +7,7 @@ use super::*;
 use crate::ordinates::{self, OrdinatesSettings, OrdinatesSolution};
 
 fn judged(
-    medium: &Turbid,
+    medium: &TurbidMedium,
     settings: &OrdinatesSettings,
     change: impl Fn(&mut OrdinatesSolution),
 ) -> Judgement {

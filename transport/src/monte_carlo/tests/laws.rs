@@ -19,7 +19,7 @@ fn squared_scores(a: &Fluence, b: &Fluence) -> Vec<f64> {
 }
 
 /// Power that meets matter: extinction times fluence, over all sites; in m^2.
-fn intercepted(medium: &Turbid, uncollided: &[f64], up: f64) -> f64 {
+fn intercepted(medium: &TurbidMedium, uncollided: &[f64], up: f64) -> f64 {
     let volume = medium.grid.spacing_m * medium.grid.spacing_m * medium.grid.spacing_m;
     let met = |(&site, phi): (&u32, &f64)| medium.extinction_along(site as usize, up) * phi * volume;
     medium.sites().iter().zip(uncollided).map(met).sum()
@@ -74,7 +74,7 @@ fn everything_escapes_where_nothing_is_absorbed() {
 #[test]
 fn inclined_leaves_conserve_energy_and_shadow_what_they_meet() {
     for angles in [LeafAngles::planophile(), LeafAngles::erectophile()] {
-        let medium = Turbid { angles, ..clumps() };
+        let medium = TurbidMedium { angles, ..clumps() };
         for light in [Illumination::Sun([0.0, 1.0, 0.0]), SUN] {
             let f = trace(&medium, &alike(1.0, FACETS), light, &photons(1 << 16), &quiet).unwrap();
             let escaped = f.balance.escaped.iter().sum();
@@ -101,7 +101,7 @@ fn first_collisions_take_what_the_beam_loses() {
 
 #[test]
 fn delta_tracking_finds_the_same_light() {
-    let planophile = Turbid { angles: LeafAngles::planophile(), ..clumps() };
+    let planophile = TurbidMedium { angles: LeafAngles::planophile(), ..clumps() };
     let unlike = BandScatter {
         leaf: Scatter { albedo: 0.9, phase: FACETS },
         wood: Scatter { albedo: 0.5, phase: Phase::HenyeyGreenstein { g: -0.4 } },

@@ -4,7 +4,10 @@ use super::*;
 
 const SUN: Illumination = Illumination::Sun([0.0, 1.0, 0.0]);
 
-fn refuse(change: impl FnOnce(&mut Turbid, &mut BandScatter, &mut Illumination, &mut Settings), says: &str) {
+fn refuse(
+    change: impl FnOnce(&mut TurbidMedium, &mut BandScatter, &mut Illumination, &mut Settings),
+    says: &str,
+) {
     let (mut medium, mut scatter) = (ball(1.0), alike(0.5, Phase::ISOTROPIC));
     let (mut light, mut settings) = (SUN, photons(64));
     change(&mut medium, &mut scatter, &mut light, &mut settings);

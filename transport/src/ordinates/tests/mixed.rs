@@ -7,7 +7,7 @@ use super::*;
 const NORMALISED: f64 = 2e-3;
 
 fn light(
-    medium: &Turbid,
+    medium: &TurbidMedium,
     band: BandScatter,
     transmitted: Option<&[f32]>,
     settings: &OrdinatesSettings,
