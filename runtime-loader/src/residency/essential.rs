@@ -72,13 +72,19 @@ pub(super) fn serves(
     }
 }
 
-/// Groups of what is seen, those of the sky first, then those of the sun by the pixels that show them.
+/// Groups of what is seen, those of the sky first, then those of the sun by the pixels that show them. What was given up
+/// wants no memory; a species whose block map was given up wants none at all.
 pub(super) fn of_need(residency: &Residency, need: &Need) -> Vec<Group> {
     let mut groups = Vec::new();
     for (species, seen) in need.seen() {
         let mut both =
             [Essential::Sky, Essential::Sun].map(|essential| Group { species, essential, bytes: 0 });
-        for unit in residency.units.coarse(species) {
+        let is_given_up = |unit: &UnitId| residency.records[unit.index()].is_given_up();
+        let mut units = residency.units.coarse(species).peekable();
+        if units.peek().is_some_and(is_given_up) {
+            continue;
+        }
+        for unit in units.filter(|unit| !is_given_up(unit)) {
             if let Some(essential) = serves(residency, species, seen, unit) {
                 both[essential as usize].bytes += residency.units.get(unit).memory_bytes;
             }
@@ -110,13 +116,14 @@ pub(super) fn lacks(residency: &Residency, need: &Need) -> Vec<Lack> {
 }
 
 /// Species of harmonics that lack their sun's light: harmonics of which one is missing are no light, so that none is
-/// loaded, and their memory serves others. One that has no room for its block map and its sky's
-/// light has none for a sun's either.
-pub(super) fn without_sun<'l>(units: &'l Units, lacks: &'l [Lack]) -> impl Iterator<Item = usize> + 'l {
-    lacks.iter().map(|lack| lack.species).filter(|species| units.extinction(*species).is_some())
+/// loaded, and their memory serves others.
+fn without_sun<'l>(units: &'l Units, lacks: &'l [Lack]) -> impl Iterator<Item = usize> + 'l {
+    let of_sun = lacks.iter().filter(|lack| lack.essential == Essential::Sun);
+    of_sun.map(|lack| lack.species).filter(|species| units.extinction(*species).is_some())
 }
 
-/// Whether a unit is left out as [`without_sun`] says.
+/// Whether a unit is left out: of a species that lacks its sky's light, since all stands on the block map, and as
+/// [`without_sun`] says.
 pub(super) fn is_left_out(units: &Units, lacks: &[Lack], unit: UnitId) -> bool {
     let unit = units.get(unit);
     let species = unit.species as usize;
@@ -127,7 +134,8 @@ pub(super) fn is_left_out(units: &Units, lacks: &[Lack], unit: UnitId) -> bool {
             units.bases(species)[base as usize].item != 0
         }
     };
-    is_of_sun && without_sun(units, lacks).any(|other| other == species)
+    lacks.iter().any(|lack| (lack.species, lack.essential) == (species, Essential::Sky))
+        || is_of_sun && without_sun(units, lacks).any(|other| other == species)
 }
 
 /// The need where the sky's light stands in for a sun's that has no room: it has the pixels of that.

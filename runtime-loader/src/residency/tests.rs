@@ -95,18 +95,13 @@ fn units_take_no_more_memory_than_the_catalogue_says() {
                 assert!(found <= most(unit), "{codec:?}, {species}: extinction of {found} bytes");
             }
             for (place, base) in (0..).zip(units.bases(species)) {
-                let of_kind = |wanted: fn(UnitKind) -> Option<u16>| {
-                    let is_wanted = |unit: &UnitId| wanted(units.get(*unit).kind) == Some(place);
-                    units.of_species(species).filter(is_wanted).collect::<Vec<_>>()
+                let is_its_own = |unit: &UnitId| match units.get(*unit).kind {
+                    UnitKind::Averages { base } | UnitKind::Detail { base, .. } => base == place,
+                    UnitKind::Shared | UnitKind::Extinction => false,
                 };
-                let averages = of_kind(|kind| match kind {
-                    UnitKind::Averages { base } => Some(base),
-                    _ => None,
-                });
-                let pages = of_kind(|kind| match kind {
-                    UnitKind::Detail { base, .. } => Some(base),
-                    _ => None,
-                });
+                let is_coarse = |unit: &UnitId| matches!(units.get(*unit).kind, UnitKind::Averages { .. });
+                let its_own = units.of_species(species).filter(is_its_own);
+                let (averages, pages): (Vec<_>, Vec<_>) = its_own.partition(is_coarse);
                 let all = |units: &[UnitId]| units.iter().map(|unit| most(*unit)).sum::<usize>();
                 let coded = container.read_coded_base(source, species, base.item, &shared);
                 let mut coded = coded.expect("it reads");
@@ -262,6 +257,49 @@ fn the_least_budget_is_complete_and_a_smaller_one_says_what_it_lacks() {
     assert_eq!((lack.essential, lack.bytes), (Essential::Sun, 1));
     assert_eq!(lack.species, 2, "which is the last of as many pixels");
     assert_eq!(loaded(&residency).filter_map(of_sun_of_2).count(), 0);
+}
+
+/// The block map of a species, and the averages of its sky.
+fn of_sky(species: usize) -> [UnitId; 2] {
+    let mut coarse = UNITS.coarse(species);
+    let map = coarse.next().expect("the first unit is the block map");
+    let is_average = |unit: &UnitId| matches!(UNITS.get(*unit).kind, UnitKind::Averages { base: 0 });
+    [map, coarse.find(is_average).expect("each species here has a sky")]
+}
+
+/// Loaded units of a species: its block map, and averages of bases.
+fn coarse(residency: &Residency, species: u32) -> [usize; 2] {
+    let of_kind = |is_kind: fn(UnitKind) -> bool| {
+        let of_species = loaded(residency).map(|unit| UNITS.get(unit)).filter(|unit| unit.species == species);
+        of_species.filter(|unit| is_kind(unit.kind)).count()
+    };
+    [of_kind(|kind| kind == UnitKind::Shared), of_kind(|kind| matches!(kind, UnitKind::Averages { .. }))]
+}
+
+#[test]
+fn one_species_has_light_before_two_have_block_maps_alone() {
+    let [[first, _], [second, _]] = [0, 1].map(of_sky);
+    let mut need = everything();
+    need.species[2] = SpeciesNeed::default();
+    let mut residency =
+        residency(ResidencySettings { budget_bytes: memory([first, second].into_iter()), ..PLENTY });
+    settle(&mut residency, &need);
+    let [map, averages] = coarse(&residency, 0);
+    assert!(map == 1 && averages > 0, "{averages} averages");
+    assert_eq!(coarse(&residency, 1), [0, 0], "for its averages there is no room");
+}
+
+#[test]
+fn a_species_whose_block_map_was_given_up_wants_no_memory() {
+    let (need, first) = (everything(), of_sky(0)[0]);
+    let budget_bytes = memory(of_sky(0).into_iter());
+    let mut residency = residency(ResidencySettings { budget_bytes, ..PLENTY });
+    assert!(residency.plan(&need).requests.contains(&first));
+    assert!(residency.failed(first, true), "it is given up");
+    settle(&mut residency, &need);
+    let [map, averages] = coarse(&residency, 1);
+    assert!(map == 1 && averages > 0, "{averages} averages");
+    assert!(residency.plan(&need).lacks.iter().all(|lack| lack.species != 0));
 }
 
 #[test]
