@@ -3,7 +3,7 @@
 //!
 //! ```text
 //! TurbidMedium of each species -grains-> points -alone-> the species by itself on coarse sites, calibrated
-//!                                 points, instances, ground -stand-> the whole scene on one lattice
+//!                                       points, instances, ground -stand-> the whole scene on one lattice
 //! ```
 //!
 //! A species' fields know neither neighbours nor ground. What these change is found on sites far larger than a species'

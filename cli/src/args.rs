@@ -358,11 +358,11 @@ pub(crate) struct DoctorArgs {
 #[cfg(test)]
 mod tests {
     use clap::CommandFactory;
+    use flb_baker::crown::LeafAngleChoice;
     use flb_format::{Codec, FieldKind};
     use flb_transport::ordinates::NamedSuns;
 
     use super::*;
-    use flb_baker::crown::LeafAngleChoice;
 
     #[test]
     fn command_line_is_consistent() {

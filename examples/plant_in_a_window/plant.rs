@@ -71,7 +71,7 @@ impl Plant {
         // A renderer has the mesh that was baked. A file knows how much leaf is where; that is drawn here.
         let turbid = library.container().read_turbid(library.source(), 0)?;
         // The marches of plant.wgsl need the extinction, which `load` sends for suns of harmonics alone.
-        if stored.suns.first_near_item().is_none() {
+        if !stored.suns.has_near_beam() {
             light.set_extinction(species.number(), &Extinction::of(&turbid), false)?;
         }
 

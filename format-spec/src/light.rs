@@ -109,6 +109,11 @@ impl SunBasis {
         0..=(self.items() - 1) as u8
     }
 
+    /// Whether the light of a sun needs the near beam beside the fields: of harmonics.
+    pub fn has_near_beam(&self) -> bool {
+        matches!(self, SunBasis::Harmonics { .. })
+    }
+
     /// Item of the near beam's coefficient b_0, behind those of the harmonics; `None` where there is none.
     pub fn first_near_item(&self) -> Option<u8> {
         match self {

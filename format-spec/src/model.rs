@@ -3,7 +3,7 @@
 //! Nothing else of this crate asks which of the two it is: what differs between them is asked here, by what it means.
 
 use crate::light::{Light, SunBasis};
-use crate::{BaseSet, Optics, Surfaces};
+use crate::{Optics, Surfaces};
 
 /// The light transport model of a species, with what belongs to it alone.
 #[derive(Debug, Clone, PartialEq)]
@@ -128,10 +128,7 @@ impl Model {
 
     /// Number of base items that a species of this model can have, from 0 on.
     pub fn items(&self) -> u16 {
-        match self {
-            Model::Paper { .. } => BaseSet::COUNT as u16,
-            Model::Physical { light, .. } => light.suns.items(),
-        }
+        self.suns().items()
     }
 
     /// Whether a file has every item (M12, M38): of harmonics each sun takes a share of all, and lists of directions

@@ -30,7 +30,7 @@ impl LightSource<'_> {
     fn most_terms(&self) -> u32 {
         let LightSource::Library { library, species } = self else { return 0 };
         let meta = library.container().species().get(*species).map(|entry| &entry.meta);
-        let is_of_harmonics = |meta: &SpeciesMeta| meta.model.suns().first_near_item().is_some();
+        let is_of_harmonics = |meta: &SpeciesMeta| meta.model.suns().has_near_beam();
         if meta.is_some_and(is_of_harmonics) { MAX_TERMS } else { BLEND_TERMS }
     }
 }

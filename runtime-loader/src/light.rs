@@ -193,8 +193,8 @@ impl<'r> SpeciesLight<'r> {
     /// sun does. `None` where the light needs no near beam, and where streamed light has no extinction yet.
     pub fn near(&self) -> Option<Near<'_>> {
         let species = self.resident();
-        species.suns().first_near_item()?;
-        Some(species.sites()?.near(species.needs_single()))
+        let sites = species.sites().filter(|_| species.suns().has_near_beam())?;
+        Some(sites.near(species.needs_single()))
     }
 
     /// The light of an uneven sky on a plant that stands where `world_from_model` says, for

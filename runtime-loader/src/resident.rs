@@ -262,7 +262,7 @@ impl ResidentSpecies {
         if loaded.has_extinction {
             let turbid = container.read_turbid(library.source(), species).map_err(at_library)?;
             let sites = MediumSites::new(turbid).map_err(at_library)?;
-            if loaded.suns.first_near_item().is_some() {
+            if loaded.suns.has_near_beam() {
                 loaded.extinction = Some(Box::new(Extinction::of(sites.turbid())));
                 loaded.extinction_age = 1;
             }

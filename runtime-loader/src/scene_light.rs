@@ -154,7 +154,7 @@ impl Coarse {
     }
 
     fn near(&self) -> Option<Near<'_>> {
-        self.sampler.suns().first_near_item().map(|_| self.sampler.near())
+        self.sampler.suns().has_near_beam().then(|| self.sampler.near())
     }
 
     /// Light of a sun in the entry's own frame.

@@ -12,6 +12,7 @@
 //! from 0 to 1, so that of texels of 0.4 a scattered 40 % is present.
 
 pub use error::AlphaError;
+pub use texels::{TexelBox, index};
 
 use crate::mesh::{AlphaMode, Image, Material, Mesh, Texture, Wrap};
 
@@ -21,6 +22,7 @@ mod error;
 mod piece;
 #[cfg(test)]
 mod tests;
+mod texels;
 
 /// Most groups along an edge of the table of sums; larger images count squares of 2, 4, 8.. texels as one.
 const MAX_GROUPS: usize = 512;
@@ -185,42 +187,6 @@ impl Verdict {
             _ if present == all => Verdict::Present,
             _ => Verdict::Mixed,
         }
-    }
-}
-
-/// Texels `min..=max` along u and v, not yet wrapped.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub struct TexelBox {
-    /// First texel.
-    pub min: [i64; 2],
-    /// Last texel.
-    pub max: [i64; 2],
-}
-
-/// A coordinate rounded down, as an index; beyond 2^52, where whole numbers end, the sign is all that counts.
-#[inline]
-pub fn index(coordinate: f64) -> i64 {
-    const LIMIT: f64 = (1u64 << 52) as f64;
-    let clamped = coordinate.clamp(-LIMIT, LIMIT);
-    let whole = clamped as i64;
-    whole - i64::from(whole as f64 > clamped)
-}
-
-impl TexelBox {
-    /// The texels whose inside the box of real coordinates meets; a box without extent along an axis that
-    /// lies on the border of two texels counts for the upper one.
-    #[inline]
-    pub fn of(min: [f64; 2], max: [f64; 2]) -> TexelBox {
-        let low = min.map(index);
-        let high = std::array::from_fn(|axis| (-index(-max[axis]) - 1).max(low[axis]));
-        TexelBox { min: low, max: high }
-    }
-
-    /// Returns the box moved into `outer` along each axis.
-    #[inline]
-    pub fn clamped(self, outer: &TexelBox) -> TexelBox {
-        let clamp = |c: [i64; 2]| std::array::from_fn(|axis| c[axis].clamp(outer.min[axis], outer.max[axis]));
-        TexelBox { min: clamp(self.min), max: clamp(self.max) }
     }
 }
 

@@ -6,15 +6,14 @@
 use flb_format::Transform;
 use flb_format::sun::towards_sun;
 use flb_render::{
-    Indirect, LightQuery, Lighting, Look, Picture, Portrait, Shading, Species, Units, render_plant,
-    render_reference,
+    LightQuery, Lighting, Look, Picture, Portrait, Shading, Species, Units, render_plant, render_reference,
 };
 use flb_runtime::{InstanceLight, LightCursors, SpeciesLight};
 use flb_scene::sky::Sky;
 use flb_scene::{ClassedMesh, Observer, Step};
 
 use crate::frames::subject;
-use crate::light::{by_day, even_sky, load_for};
+use crate::light::{by_day, even_sky, load_for, shows_fields};
 use crate::look::sun_strength;
 use crate::{PlantLight, StageError, StageSky};
 
@@ -71,8 +70,7 @@ impl<'p> PlantRenderer<'p> {
     ) -> Result<PlantRenderer<'p>, StageError> {
         let ClassedMesh { mesh, classes } = mesh;
         let plant = Species { mesh, classes, shading: Shading::of(light.meta()) };
-        let shows_fields = !look.is_path_traced && look.look.indirect != Indirect::Off;
-        let light = match shows_fields {
+        let light = match !look.is_path_traced && shows_fields(&look.look) {
             false => None,
             true => {
                 let lit = suns_deg.iter().filter(|sun| look.sun_strength(Some(**sun)) > 0.0);

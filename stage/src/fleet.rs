@@ -72,7 +72,7 @@ impl Fleet {
         let sources: Vec<LightSource> = stage
             .plants
             .iter()
-            .map(|plant| match plant.library().filter(|_| shows_fields(look)) {
+            .map(|plant| match plant.library().filter(|_| shows_fields(&look.look)) {
                 Some((library, species)) => LightSource::Library { library, species },
                 None => LightSource::Even([0.0; 3]),
             })

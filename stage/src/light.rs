@@ -1,7 +1,7 @@
 //! The light of a scene's species, and of every plant under a sun.
 
 use flb_format::{Placement, Transform};
-use flb_render::{Daylight, Lighting};
+use flb_render::{Daylight, Indirect, Lighting, Look};
 use flb_runtime::scene_light::SceneLightAtSun;
 use flb_runtime::{InstanceLight, Library, RuntimeError, SkyBeams, SkyLight, SpeciesLight};
 use flb_scene::sky::Sky;
@@ -21,7 +21,7 @@ pub(crate) fn load(
         .map(|[azimuth, elevation]| flb_format::sun::towards_sun(azimuth, elevation))
         .collect();
     let load = |(number, plant): (usize, &crate::ScenePlant)| {
-        let Some((library, species)) = plant.library().filter(|_| shows_fields(look)) else {
+        let Some((library, species)) = plant.library().filter(|_| shows_fields(&look.look)) else {
             return Ok(None);
         };
         let placements = || stage.scene.instances.iter().filter(|one| one.species == number);
@@ -65,8 +65,8 @@ pub(crate) fn by_day<'l>(
 }
 
 /// Whether what files hold is shown.
-pub(crate) fn shows_fields(look: &SceneLook) -> bool {
-    look.look.indirect != flb_render::Indirect::Off
+pub(crate) fn shows_fields(look: &Look) -> bool {
+    look.indirect != Indirect::Off
 }
 
 /// `[species]`: what the skies over its plants share.

@@ -74,7 +74,7 @@ impl ScenePlant {
     /// Whether its fields are harmonics, all of which each sun needs. Of others a stream brings what the sun needs
     /// alone.
     pub(crate) fn is_of_harmonics(&self) -> bool {
-        self.light.as_ref().is_some_and(|light| light.meta().model.suns().first_near_item().is_some())
+        self.light.as_ref().is_some_and(|light| light.meta().model.suns().has_near_beam())
     }
 
     /// The name of the model of its light.

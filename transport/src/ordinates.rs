@@ -329,7 +329,7 @@ fn fields_of(
             fields.append(&mut fit);
         }
     }
-    if settings.suns.first_near_item().is_none() {
+    if !settings.suns.has_near_beam() {
         light.truncate(fitted);
         if settings.field == FieldKind::Total {
             for (light, beam) in light.iter_mut().zip(beams) {

@@ -65,18 +65,21 @@ pub(crate) fn check_judge(args: &BakeArgs, reader: &MeshReader) -> Result<(), Fa
         let expected = "--judge expects --model physical, --field scattered and the bands R, G and B";
         Err(Failure::new(USAGE, format!("found {found}, and {expected}")))
     };
+    if !args.judge {
+        return Ok(());
+    }
+    if let Some(flag) = without_scattered_light(args) {
+        return refuse(flag);
+    }
     let surfaces = reader.plants.surfaces();
     let bands: Vec<&str> = surfaces.bands.iter().map(|band| band.name.as_str()).collect();
-    let without = without_scattered_light(args);
-    match () {
-        () if !args.judge => Ok(()),
-        () if without.is_some() => refuse(without.unwrap_or_default()),
-        () if color_bands(bands.iter().copied()).is_none() => {
-            refuse(&format!("the bands {}", bands.join(", ")))
-        }
-        () if args.plan.is_some() => refuse("--plan, which leaves out light"),
-        () => Ok(()),
+    if color_bands(bands.iter().copied()).is_none() {
+        return refuse(&format!("the bands {}", bands.join(", ")));
     }
+    if args.plan.is_some() {
+        return refuse("--plan, which leaves out light");
+    }
+    Ok(())
 }
 
 /// Names that meshes of one file name may have: their folders', else numbered ones. Words that need no quotes.

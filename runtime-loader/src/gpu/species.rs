@@ -43,7 +43,7 @@ impl GpuSpecies {
         }
         let model = &entry.meta.model;
         let (suns, is_bounded) = (model.suns().clone(), model.is_bounded());
-        if suns.first_near_item().is_some() {
+        if suns.has_near_beam() {
             let turbid = container.read_turbid(source, species).map_err(at_file)?;
             light.set_extinction(number, &Extinction::of(&turbid), suns.needs_single())?;
         }

@@ -46,21 +46,10 @@ impl<'a> InstanceLight<'a> {
         if kept.generation != species.generation() {
             return None;
         }
-        let prepared = match &kept.prepared {
-            Some(sun) => Some((&**species.sites()?, Arc::clone(sun))),
-            None => None,
-        };
-        let (terms, offsets) = (kept.terms, kept.offsets);
-        let luminance = terms.strengths();
-        Some(InstanceLight {
-            species,
-            terms,
-            prepared,
-            offsets,
-            among: None,
-            luminance,
-            color: None,
-            uneven: None,
+        let lit = InstanceLight { offsets: kept.offsets, ..InstanceLight::of_terms(species, kept.terms) };
+        Some(match &kept.prepared {
+            Some(sun) => lit.prepared_as(sun),
+            None => lit,
         })
     }
 
@@ -77,13 +66,17 @@ impl<'a> InstanceLight<'a> {
 
     pub(super) fn new(species: &'a ResidentSpecies, daylight: &Daylight) -> InstanceLight<'a> {
         let Daylight { towards_sun, sun, sky } = *daylight;
+        InstanceLight::of_terms(species, species.terms(towards_sun, sun, sky))
+    }
+
+    fn of_terms(species: &'a ResidentSpecies, terms: Terms) -> InstanceLight<'a> {
         InstanceLight {
             species,
-            terms: species.terms(towards_sun, sun, sky),
+            terms,
             prepared: None,
             offsets: RayOffsets::new(1),
             among: None,
-            luminance: [sun, sky],
+            luminance: terms.strengths(),
             color: None,
             uneven: None,
         }

@@ -345,10 +345,10 @@ fn checked<'l>(light: &'l SpeciesLight) -> Result<&'l Arc<MediumSites>, RuntimeE
     }
     light.check_bands(BANDS)?;
     light.check(None, true)?;
-    species.sites().ok_or(match species.suns().first_near_item() {
-        Some(_) => super::NOT_THERE,
+    species.sites().ok_or(match species.suns().has_near_beam() {
+        true => super::NOT_THERE,
         // The extinction of a species whose suns need no near beam is no unit.
-        None => RuntimeError::UnevenSky {
+        false => RuntimeError::UnevenSky {
             found: "streamed light of a species of directions, whose extinction is not streamed",
             expected: "harmonics, or a species that is loaded whole (`SpeciesLight::load`)",
         },
@@ -394,7 +394,7 @@ fn sites_of(
             add_moments(site, towards[number], &weights[number], *beam);
         }
     });
-    if species.suns().first_near_item().is_some() {
+    if species.suns().has_near_beam() {
         add_near(&mut sites, &near, means(single), *mean);
     }
     sites

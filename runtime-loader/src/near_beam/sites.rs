@@ -74,7 +74,7 @@ impl MediumSites {
     /// The near beam of a sun at every site with matter; nothing where the fields of `suns` need none.
     pub(crate) fn prepare(&self, suns: &SunBasis, near: &Near, terms: SunTerms, rays: u32) -> PreparedSun {
         let mut all = Vec::new();
-        if suns.first_near_item().is_some() {
+        if suns.has_near_beam() {
             let beam = near.beam(terms.towards_sun, rays);
             let means = 1 + beam.around.len();
             let mean = |j, site| if j < means { beam.mean(j, site) } else { 0.0 };

@@ -166,7 +166,7 @@ impl Units {
             words + 4 * blocks + RUN_BYTES * blocks.div_ceil(RUN as u64) + classes * CLASS_MEMORY_BYTES;
         let shared_stored = stored(shared.map) + shared.classes.map_or(0, stored);
         push(UnitKind::Shared, shared_stored, shared_memory, 1.0, [0; 2]);
-        let needs_beam = species.meta.model.suns().first_near_item().is_some();
+        let needs_beam = species.meta.model.suns().has_near_beam();
         if let (true, Some([leaf, wood])) = (needs_beam, species.extinction) {
             // A payload is a bit for each site, and the values of those that have one (SPEC.md, section 8.3).
             let masks = u64::from(grid.lattice).pow(3) / 8;

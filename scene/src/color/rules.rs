@@ -9,9 +9,9 @@ use crate::import::ImportError;
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 #[cfg_attr(feature = "clap", derive(clap::ValueEnum))]
 pub enum ColorSource {
-    /// The texture, or base colour: a texel is the reflectance.
+    /// A texel, or the base colour, is the reflectance.
     Texture,
-    /// Measured leaves: a texel tints their reflectance.
+    /// A texel tints the reflectance of measured leaves.
     Measured,
 }
 

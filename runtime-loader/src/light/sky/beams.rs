@@ -59,7 +59,7 @@ impl SkyBeams {
             }
         });
         let mut all = vec![own];
-        if suns.first_near_item().is_some() {
+        if suns.has_near_beam() {
             let more = means(single) - 1;
             all.resize_with(1 + more, || vec![[0.0; HARMONICS]; medium.sites().len()]);
             let (own, around) = all.split_at_mut(1);

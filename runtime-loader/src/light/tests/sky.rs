@@ -220,7 +220,7 @@ fn without(library: &Arc<Library>, mut resident: Resident, dropped: fn(UnitKind)
 #[test]
 fn streamed_light_has_the_uneven_sky_of_the_file_and_keeps_it_while_units_go() {
     let glow = |[x, y, _]: [f64; 3]| [0.1 + (1.0 + x) as f32 / 8.0, 0.1, 0.2 + 0.1 * y as f32];
-    for suns in physical().filter(|suns| suns.first_near_item().is_some()) {
+    for suns in physical().filter(|suns| suns.has_near_beam()) {
         let library = library(&plant("plant", Some(&suns), LATTICE, 3), Codec::Classed);
         let species = SpeciesLight::load(&library, 0).expect("a sound file");
         let all = resident(&library);
