@@ -72,8 +72,8 @@ pub(super) fn serves(
     }
 }
 
-/// Groups of what is seen, those of the sky first, then those of the sun by the pixels that show them. What was given up
-/// wants no memory; a species whose block map was given up wants none at all.
+/// Groups of what is seen, those of the sky first, then those of the sun by the pixels that show them. What was given
+/// up wants no memory; a species whose block map was given up wants none at all.
 pub(super) fn of_need(residency: &Residency, need: &Need) -> Vec<Group> {
     let mut groups = Vec::new();
     for (species, seen) in need.seen() {
