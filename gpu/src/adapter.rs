@@ -1,5 +1,7 @@
 //! Chooses an adapter: the one that wgpu ranks highest; software only if there is no other.
 
+use std::sync::{Mutex, PoisonError};
+
 use crate::{DeviceError, error::chain};
 
 /// A GPU that could be opened.
@@ -61,11 +63,21 @@ pub(crate) fn describe(info: &wgpu::AdapterInfo) -> Found {
     }
 }
 
+/// Every device of the process comes from one instance for its backends, which stays: each further one would load the
+/// driver again, and drivers do not give back all that they took (NVIDIA's was refused, and crashed, after about
+/// thirty).
 fn instance(backends: wgpu::Backends) -> wgpu::Instance {
-    wgpu::Instance::new(wgpu::InstanceDescriptor {
+    static MADE: Mutex<Vec<(wgpu::Backends, wgpu::Instance)>> = Mutex::new(Vec::new());
+    let mut made = MADE.lock().unwrap_or_else(PoisonError::into_inner);
+    if let Some((_, one)) = made.iter().find(|(of, _)| *of == backends) {
+        return one.clone();
+    }
+    let one = wgpu::Instance::new(wgpu::InstanceDescriptor {
         backends,
         ..wgpu::InstanceDescriptor::new_without_display_handle_from_env()
-    })
+    });
+    made.push((backends, one.clone()));
+    one
 }
 
 fn request(backends: wgpu::Backends) -> Result<wgpu::Adapter, wgpu::RequestAdapterError> {

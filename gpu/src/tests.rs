@@ -171,3 +171,13 @@ fn busy(@builtin(local_invocation_index) at: u32) {
     kept[at] = value;
 }
 ";
+
+#[test]
+fn a_process_may_open_as_many_as_it_likes() {
+    let open = || {
+        for _ in 0..12 {
+            assert_eq!(gpu().check(), Ok(()));
+        }
+    };
+    std::thread::scope(|scope| (0..4).for_each(|_| drop(scope.spawn(open))));
+}
