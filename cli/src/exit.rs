@@ -359,7 +359,7 @@ impl From<ForestError> for Failure {
             ForestError::Render(error) => return error.into(),
             ForestError::Runtime(error) => return error.into(),
             ForestError::Device(ref error) => code_of_device(error),
-            ForestError::Unlit { .. } | ForestError::UnevenSky => UNSUPPORTED,
+            ForestError::Unlit { .. } => UNSUPPORTED,
             ForestError::Light(
                 LightError::Full { .. } | LightError::NoRoom { .. } | LightError::Budget { .. },
             )

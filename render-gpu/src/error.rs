@@ -34,9 +34,6 @@ pub enum ForestError {
         /// Advice.
         remedy: &'static str,
     },
-    /// An uneven sky, or a sun that is not white.
-    #[error("an uneven sky is not lit on the GPU; render on the CPU")]
-    UnevenSky,
     /// More items than the shaders have room for.
     #[error("{found} {what}, expected at most {most} on the GPU; render on the CPU")]
     TooMany {

@@ -5,14 +5,17 @@ use flb_render::forest::{Around, Forest, InstanceSearch, MAX_RAYS, ModelSearch, 
 use flb_render::picture::if_finite;
 use flb_render::{Lighting, Look, Picture};
 use flb_runtime::gpu::GpuLight;
+use flb_runtime::residency::Units;
 use flb_runtime::resident::Resident;
 use flb_runtime::scene_light::SceneLightAtSun;
 
 use crate::buffers::{empty, storage, uniform};
 use crate::camera::view_words;
+use crate::dome::Dome;
 use crate::grids::{SUN_PAD, picture_words, sun_words};
 use crate::layout::{LIGHT_WORDS, NONE, Words};
 use crate::light_set::LightSet;
+use crate::light_words::DaylightOn;
 use crate::models::Models;
 use crate::neighbours::Neighbours;
 use crate::show::Show;
@@ -62,6 +65,7 @@ pub struct GpuForest {
     neighbours: Option<Neighbours>,
     view: wgpu::Buffer,
     daylight: wgpu::Buffer,
+    dome: Dome,
     /// Of the grid over the picture.
     seen_words: usize,
     taken: Option<TracedView>,
@@ -121,7 +125,8 @@ impl GpuForest {
         let scene = statics.group(gpu, &stages, &stand);
         let light_group = light_buffer(gpu, &stages, stand.plants.len())?;
         let view = uniform(gpu, "flb view", &[0; 64]);
-        let daylight = uniform(gpu, "flb daylight", &[0; 32]);
+        let daylight = uniform(gpu, "flb daylight", &[0; 40]);
+        let dome = Dome::new(gpu, &stages);
         gpu.check()?;
         Ok(GpuForest {
             gpu: gpu.clone(),
@@ -137,6 +142,7 @@ impl GpuForest {
             neighbours: None,
             view,
             daylight,
+            dome,
             seen_words: 0,
             taken: None,
             show: Show::Picture,
@@ -253,16 +259,13 @@ impl GpuForest {
         look: &Look,
     ) -> Result<(), ForestError> {
         let scenery = self.scenery(lighting, look)?;
-        let words = lights.aim(
-            &self.stand.plants,
-            scenery.towards_sun,
-            scenery.sun_strength,
-            lighting.daylight.sky,
-        )?;
+        let daylight = self.daylight_on(&scenery, lighting);
+        let words = lights.aim(&self.stand.plants, &daylight)?;
         self.light(&words, lights.light(), (lighting, look), &scenery)
     }
 
-    /// Lights the fragments with light that comes over time; `resident` is that of the streamer which `lights` follow.
+    /// Lights the fragments with light that comes over time; `resident` and `units` are those of the streamer which
+    /// `lights` follow.
     ///
     /// # Errors
     /// As [`GpuForest::relight`]; what is missing is no error.
@@ -270,21 +273,32 @@ impl GpuForest {
         &mut self,
         lights: &mut StreamedLights,
         resident: &Resident,
+        units: &Units,
         lighting: &Lighting,
         look: &Look,
     ) -> Result<(), ForestError> {
         let scenery = self.scenery(lighting, look)?;
-        let strengths = [scenery.sun_strength, lighting.daylight.sky];
-        let words = lights.aim(resident, &self.stand.plants, scenery.towards_sun, strengths)?;
+        let daylight = self.daylight_on(&scenery, lighting);
+        let words = lights.aim(resident, units, &self.stand.plants, &daylight)?;
         self.light(&words, lights.light(), (lighting, look), &scenery)
     }
 
-    fn scenery(&self, lighting: &Lighting, look: &Look) -> Result<Scenery, ForestError> {
+    fn scenery(&mut self, lighting: &Lighting, look: &Look) -> Result<Scenery, ForestError> {
         let taken = self.taken.as_ref().ok_or(ForestError::NotTraced)?;
-        if lighting.dome.is_some() || lighting.sun_color != Lighting::default().sun_color {
-            return Err(ForestError::UnevenSky);
+        let scenery = self.around.scenery(lighting, look, taken.view.eye.position_m)?;
+        if let Some(sky) = &lighting.dome {
+            self.dome.send(&self.gpu, &self.stages, sky);
         }
-        Ok(self.around.scenery(lighting, look, taken.view.eye.position_m)?)
+        Ok(scenery)
+    }
+
+    fn daylight_on(&self, scenery: &Scenery, lighting: &Lighting) -> DaylightOn<'_> {
+        DaylightOn {
+            towards_sun: scenery.towards_sun,
+            sun: scenery.sun_strength,
+            sky: lighting.daylight.sky,
+            dome: lighting.dome.is_some().then_some(&self.dome),
+        }
     }
 
     fn light(
@@ -304,7 +318,7 @@ impl GpuForest {
             .and_then(Neighbours::stage)
             .unwrap_or((&self.stages.light, &self.lights.1));
         let words = self.soil.daylight_words(
-            (lighting.daylight.sky, look),
+            (lighting, look, lighting.dome.is_some().then_some(&self.dome)),
             scenery,
             camera_m,
             self.around.units,
@@ -314,7 +328,8 @@ impl GpuForest {
         self.gpu.queue.write_buffer(&self.daylight, 0, bytemuck::cast_slice(&words));
         for strip in &taken.strips.strips {
             for dispatch in &strip.per_ray {
-                self.run(&self.stages.shade, taken, &[&self.scene, &strip.rays], *dispatch)?;
+                let groups = [&self.scene, &strip.rays, self.dome.group()];
+                self.run(&self.stages.shade, taken, &groups, *dispatch)?;
             }
             for dispatch in &strip.per_ray {
                 let groups = [light_group, &strip.rays, light.bind_group()];

@@ -44,6 +44,7 @@
 mod boxes;
 mod buffers;
 mod camera;
+mod dome;
 mod error;
 mod fleet;
 mod forest;
@@ -57,6 +58,7 @@ mod neighbours;
 mod part;
 mod queue;
 mod show;
+mod skies;
 mod stages;
 mod stand;
 mod statics;

@@ -1,16 +1,19 @@
 //! The light of a forest's species on the GPU: files to bases in a `GpuLight`, and a sun to the terms of every
 //! instance.
 
+use std::sync::Arc;
+
+use flb_format::Placement;
 use flb_format::container::Species;
 use flb_format::container::records::Codec;
-use flb_format::{Placement, SpeciesMeta};
 use flb_gpu::Gpu;
-use flb_runtime::gpu::{GpuError, GpuLight, GpuSpecies, LightSettings, MAX_TERMS, Term};
-use flb_runtime::{Library, RuntimeError};
+use flb_runtime::gpu::{GpuError, GpuLight, GpuSpecies, LightSettings, MAX_TERMS, SkyOnGpu, Term};
+use flb_runtime::{Library, RuntimeError, SkyBeams};
 
 use crate::ForestError;
 use crate::layout::Words;
-use crate::light_words::{LightWords, check_species};
+use crate::light_words::{DaylightOn, LightWords, check_species, uneven};
+use crate::skies::Skies;
 
 /// Source of a species' light.
 pub enum LightSource<'l> {
@@ -27,11 +30,12 @@ pub enum LightSource<'l> {
 
 impl LightSource<'_> {
     /// Of an instance.
-    fn most_terms(&self) -> u32 {
+    fn most_terms(&self, has_beams: bool) -> u32 {
         let LightSource::Library { library, species } = self else { return 0 };
-        let meta = library.container().species().get(*species).map(|entry| &entry.meta);
-        let is_of_harmonics = |meta: &SpeciesMeta| meta.model.suns().has_near_beam();
-        if meta.is_some_and(is_of_harmonics) { MAX_TERMS } else { BLEND_TERMS }
+        let Some(entry) = library.container().species().get(*species) else { return BLEND_TERMS };
+        let suns = entry.meta.model.suns();
+        let of_sun = if suns.has_near_beam() { MAX_TERMS } else { BLEND_TERMS };
+        of_sun + if has_beams { SkyOnGpu::most_terms(suns) } else { 0 }
     }
 }
 
@@ -40,7 +44,9 @@ const BLEND_TERMS: u32 = 4;
 /// Bytes of the tables of species and bases, and some more.
 pub(crate) const TABLES_BYTES: u64 = 1 << 18;
 /// Budgets for light that are tried: from what five species take to what WebGPU can bind.
-const BUDGETS: [u64; 3] = [32 << 20, 64 << 20, (128 << 20) - TABLES_BYTES];
+const BUDGETS: [u64; 3] = [32 << 20, 64 << 20, MAX_LIGHT_BYTES];
+/// Bytes for light, at most.
+pub(crate) const MAX_LIGHT_BYTES: u64 = (128 << 20) - TABLES_BYTES;
 /// Least of light that is not bounded.
 pub(crate) const ANY: f32 = f32::MIN;
 
@@ -48,6 +54,7 @@ pub(crate) const ANY: f32 = f32::MIN;
 pub struct LightSet {
     light: GpuLight,
     species: Vec<SpeciesTerms>,
+    skies: Skies,
 }
 
 enum SpeciesTerms {
@@ -74,13 +81,28 @@ impl LightSet {
     /// [`ForestError::Unlit`] by [`can_light`]; [`ForestError::Runtime`] for a file that cannot be read;
     /// [`ForestError::Light`] for light that does not fit into 128 MiB.
     pub fn load(gpu: &Gpu, sources: &[LightSource<'_>], instances: usize) -> Result<LightSet, ForestError> {
-        let terms =
-            instances as u64 * u64::from(sources.iter().map(LightSource::most_terms).max().unwrap_or(1));
+        LightSet::load_for_skies(gpu, sources, &[], instances)
+    }
+
+    /// Loads lights for uneven skies too: `beams` are those of the species, in the forest's order. Without them an even
+    /// sky stands in.
+    ///
+    /// # Errors
+    /// As [`LightSet::load`].
+    pub fn load_for_skies(
+        gpu: &Gpu,
+        sources: &[LightSource<'_>],
+        beams: &[Option<Arc<SkyBeams>>],
+        instances: usize,
+    ) -> Result<LightSet, ForestError> {
+        let has_beams = |species: usize| beams.get(species).is_some_and(Option::is_some);
+        let each = sources.iter().enumerate().map(|(number, source)| source.most_terms(has_beams(number)));
+        let terms = instances as u64 * u64::from(each.max().unwrap_or(1));
         let most_terms = terms.clamp(1, u64::from(u32::MAX)) as u32;
         let tables = u64::from(most_terms) * 8 + TABLES_BYTES;
         for budget in BUDGETS {
             let settings = LightSettings { budget_bytes: budget + tables, most_bases: MAX_BASES, most_terms };
-            match LightSet::load_within(gpu, sources, settings) {
+            match LightSet::load_within(gpu, sources, beams, settings) {
                 Err(ForestError::Light(GpuError::Full { .. })) if budget < BUDGETS[BUDGETS.len() - 1] => {}
                 done => return done,
             }
@@ -91,10 +113,11 @@ impl LightSet {
     fn load_within(
         gpu: &Gpu,
         sources: &[LightSource<'_>],
+        beams: &[Option<Arc<SkyBeams>>],
         settings: LightSettings,
     ) -> Result<LightSet, ForestError> {
         let mut light = GpuLight::new(&gpu.device, &gpu.queue, settings)?;
-        let species = sources
+        let species: Vec<SpeciesTerms> = sources
             .iter()
             .map(|source| match source {
                 LightSource::Even(light) => Ok(SpeciesTerms::Even(*light)),
@@ -103,8 +126,13 @@ impl LightSet {
                 }
             })
             .collect::<Result<Vec<_>, ForestError>>()?;
+        for (species, beams) in species.iter().zip(beams) {
+            if let (SpeciesTerms::Bases(bases), Some(beams)) = (species, beams) {
+                light.set_sky_beams(bases.on_gpu.number(), beams)?;
+            }
+        }
         gpu.check()?;
-        Ok(LightSet { light, species })
+        Ok(LightSet { light, species, skies: Skies::new(beams.to_vec()) })
     }
 
     /// Memory of light on the GPU, but for what is free of its budget.
@@ -117,25 +145,35 @@ impl LightSet {
         &self.light
     }
 
-    /// Sends the terms of every plant under a sun (unit, world), and gives back their `SpeciesTerms`s.
+    /// Sends the terms of every plant, and gives back their `SpeciesTerms`s.
     pub(crate) fn aim(
         &mut self,
         plants: &[Placement],
-        towards_sun: [f64; 3],
-        sun: f32,
-        sky: f32,
+        daylight: &DaylightOn<'_>,
     ) -> Result<Words, ForestError> {
         check_species(plants, self.species.len())?;
         let (mut words, mut terms) = (Words::default(), Vec::new());
-        for plant in plants {
+        let skies = match daylight.dome {
+            Some(dome) => self.skies.over(plants, dome)?,
+            None => &[],
+        };
+        for (number, plant) in plants.iter().enumerate() {
             let light = match &self.species[plant.species] {
                 SpeciesTerms::Even(light) => {
                     LightWords { constant: *light, least: ANY, ..LightWords::default() }
                 }
                 SpeciesTerms::Bases(bases) => {
                     let first_term = terms.len() as u32;
-                    let towards_sun = plant.transform.model_from_world_direction(towards_sun);
-                    let near_count = bases.terms(towards_sun, [sun, sky], &mut terms)?;
+                    let towards_sun = plant.transform.model_from_world_direction(daylight.towards_sun);
+                    let (even, sky_count) = match skies.get(number).and_then(Option::as_ref) {
+                        Some(sky) => {
+                            let of_sky = bases.sky_terms(sky)?;
+                            terms.extend(&of_sky);
+                            (0.0, uneven(of_sky.len()))
+                        }
+                        None => (daylight.even(), u32::from(daylight.even() != 0.0)),
+                    };
+                    let near_count = bases.terms(towards_sun, [daylight.sun, even], &mut terms)?;
                     LightWords {
                         constant: [0.0; 3],
                         species: Some(bases.on_gpu.number().word()),
@@ -144,7 +182,7 @@ impl LightSet {
                         term_count: terms.len() as u32 - first_term,
                         near_count,
                         least: if bases.on_gpu.is_bounded() { 0.0 } else { ANY },
-                        sky_count: u32::from(sky != 0.0),
+                        sky_count,
                     }
                 }
             };
@@ -185,9 +223,18 @@ impl Bases {
         [sun, sky]: [f32; 2],
         terms: &mut Vec<Term>,
     ) -> Result<u32, ForestError> {
-        self.on_gpu.terms(towards_sun, sun, sky, terms).map_err(|error| match error {
+        self.on_gpu.terms(towards_sun, sun, sky, terms).map_err(|error| self.named(error))
+    }
+
+    /// As [`GpuSpecies::sky_terms`].
+    fn sky_terms(&self, sky: &SkyOnGpu) -> Result<Vec<Term>, ForestError> {
+        self.on_gpu.sky_terms(sky).map_err(|error| self.named(error))
+    }
+
+    fn named(&self, error: GpuError) -> ForestError {
+        match error {
             GpuError::NoBase { base, .. } => ForestError::NoBase { species: self.name.clone(), base },
             error => ForestError::Light(error),
-        })
+        }
     }
 }

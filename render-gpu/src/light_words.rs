@@ -3,7 +3,34 @@
 use flb_format::Placement;
 
 use crate::ForestError;
+use crate::dome::Dome;
 use crate::layout::{NONE, Words};
+
+/// Of the terms of a sky: they are of an uneven one; `UNEVEN`.
+const UNEVEN: u32 = 1 << 31;
+
+/// The daylight on a forest.
+pub(crate) struct DaylightOn<'a> {
+    /// Unit, in the frame of the world.
+    pub towards_sun: [f64; 3],
+    pub sun: f32,
+    /// Strength of an even sky.
+    pub sky: f32,
+    /// An uneven sky in its place.
+    pub dome: Option<&'a Dome>,
+}
+
+impl DaylightOn<'_> {
+    /// Strength of an even sky, or of one that stands in where what an uneven one needs is not there.
+    pub(crate) fn even(&self) -> f32 {
+        self.dome.map_or(self.sky, |dome| dome.fluence().iter().sum::<f32>() / 3.0)
+    }
+}
+
+/// `sky_count` of so many terms of an uneven sky.
+pub(crate) fn uneven(terms: usize) -> u32 {
+    terms as u32 | UNEVEN
+}
 
 /// The members of a `SpeciesTerms`, in their order.
 #[derive(Default)]

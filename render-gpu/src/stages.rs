@@ -77,6 +77,8 @@ pub(crate) struct Stages {
     pub picture: wgpu::BindGroupLayout,
     /// Fragments, and what they are lit to.
     pub rays: wgpu::BindGroupLayout,
+    /// The sky as it is drawn.
+    pub dome: wgpu::BindGroupLayout,
     pub trace: wgpu::ComputePipeline,
     pub shade: wgpu::ComputePipeline,
     pub light: wgpu::ComputePipeline,
@@ -90,20 +92,22 @@ enum Kind {
     Moving,
     Read,
     Write,
+    Texture,
 }
 
 /// Compiles every stage. Errors arrive at the device's handler.
 pub(crate) fn compile(device: &wgpu::Device, light: &wgpu::BindGroupLayout, ways: Ways) -> Stages {
-    use Kind::{Moving, Read, Uniform, Write};
+    use Kind::{Moving, Read, Texture, Uniform, Write};
     let frame = layout(device, "flb frame", &[Uniform, Uniform, Moving]);
     let scene = layout(device, "flb scene", &[Uniform, Uniform, Read, Read, Read, Read, Read, Read]);
     let lights = layout(device, "flb lights", &[Read]);
     let picture = layout(device, "flb picture", &[Write]);
     let rays = layout(device, "flb rays", &[Write, Write]);
+    let dome = layout(device, "flb dome", &[Texture]);
     let [trace, shade, lit, resolve] = sources(ways);
     Stages {
         trace: make(device, &trace, &[&frame, &scene, &rays]),
-        shade: make(device, &shade, &[&frame, &scene, &rays]),
+        shade: make(device, &shade, &[&frame, &scene, &rays, &dome]),
         light: make(device, &lit, &[&frame, &lights, &rays, light]),
         resolve: make(device, &resolve, &[&frame, &picture, &rays]),
         frame,
@@ -111,6 +115,7 @@ pub(crate) fn compile(device: &wgpu::Device, light: &wgpu::BindGroupLayout, ways
         lights,
         picture,
         rays,
+        dome,
     }
 }
 
@@ -152,17 +157,20 @@ fn make(
 
 fn layout(device: &wgpu::Device, label: &str, kinds: &[Kind]) -> wgpu::BindGroupLayout {
     use wgpu::BufferBindingType::{Storage, Uniform};
+    let buffer =
+        |ty, has_dynamic_offset| wgpu::BindingType::Buffer { ty, has_dynamic_offset, min_binding_size: None };
     let entry = |(binding, kind): (u32, &Kind)| wgpu::BindGroupLayoutEntry {
         binding,
         visibility: wgpu::ShaderStages::COMPUTE,
-        ty: wgpu::BindingType::Buffer {
-            ty: match kind {
-                Kind::Uniform | Kind::Moving => Uniform,
-                Kind::Read => Storage { read_only: true },
-                Kind::Write => Storage { read_only: false },
+        ty: match kind {
+            Kind::Uniform | Kind::Moving => buffer(Uniform, matches!(kind, Kind::Moving)),
+            Kind::Read => buffer(Storage { read_only: true }, false),
+            Kind::Write => buffer(Storage { read_only: false }, false),
+            Kind::Texture => wgpu::BindingType::Texture {
+                sample_type: wgpu::TextureSampleType::Float { filterable: false },
+                view_dimension: wgpu::TextureViewDimension::D2,
+                multisampled: false,
             },
-            has_dynamic_offset: matches!(kind, Kind::Moving),
-            min_binding_size: None,
         },
         count: None,
     };
@@ -171,7 +179,7 @@ fn layout(device: &wgpu::Device, label: &str, kinds: &[Kind]) -> wgpu::BindGroup
         .create_bind_group_layout(&wgpu::BindGroupLayoutDescriptor { label: Some(label), entries: &entries })
 }
 
-/// A group of whole buffers, in order.
+/// A group of buffers and textures, in order.
 pub(crate) fn group(
     device: &wgpu::Device,
     label: &str,

@@ -2,8 +2,9 @@
 
 use flb_render::forest::export::SKY;
 use flb_render::forest::{Forest, Land, Scenery, Water};
-use flb_render::{Indirect, Look, Units};
+use flb_render::{Indirect, Lighting, Look, Units};
 
+use crate::dome::Dome;
 use crate::layout::Words;
 use crate::show::Show;
 
@@ -92,7 +93,7 @@ impl GroundAndWater {
     /// The words of a `Daylight` of the shaders.
     pub(crate) fn daylight_words(
         &self,
-        (ambient, look): (f32, &Look),
+        (lighting, look, dome): (&Lighting, &Look, Option<&Dome>),
         scenery: &Scenery,
         camera_m: [f64; 3],
         units: Units,
@@ -111,20 +112,22 @@ impl GroundAndWater {
             .floats(self.color)
             .float(scenery.white_in_sun)
             .floats(sky[0])
-            .float(scenery.white_under_sky)
-            .floats(sky[1])
             .float(look.specular)
-            .rounded(center)
+            .floats(sky[1])
             .rounded([scenery.haze_m])
+            .rounded(center)
             .float(direct)
+            .floats(scenery.white_under_sky)
             .float(indirect)
+            .floats(lighting.sun_color)
             .whole(units as u32)
-            .whole(show as u32)
-            .float(ambient)
-            .whole(cells)
-            .whole(0)
-            .whole(0)
             .floats(self.water.map_or([0.0; 3], |water| water.color))
+            .whole(show as u32)
+            .floats(dome.map_or([lighting.daylight.sky; 3], Dome::fluence))
+            .whole(cells)
+            .whole(u32::from(is_sky_drawn && dome.is_some()))
+            .whole(0)
+            .whole(0)
             .whole(0);
         words.0
     }

@@ -5,6 +5,7 @@ mod among;
 mod faults;
 mod fleet;
 mod lit;
+mod sky;
 mod traced;
 mod water;
 mod ways;

@@ -27,7 +27,8 @@
 //! ```
 //!
 //! Species of harmonics have a near beam, which `flb_near` marches through the extinction for each point
-//! ([`GpuLight::set_extinction`]); `flb_sample_near` takes what it finds.
+//! ([`GpuLight::set_extinction`]); `flb_sample_near` takes what it finds. Light of an uneven sky is `flb_sky`'s
+//! ([`GpuLight::set_sky_beams`], [`GpuSpecies::sky_terms`]).
 //!
 //! It keeps to WebGPU's default limits: one bind group of a uniform buffer and three storage buffers, of which none is
 //! over 128 MiB.
@@ -41,6 +42,7 @@ mod layout;
 mod light;
 mod pack;
 mod pool;
+mod sky;
 mod species;
 
 pub use atlas::{Atlas, AtlasDecoder, atlas_wgsl};
@@ -51,6 +53,7 @@ pub use follow::{Followed, Follower};
 pub use id::GpuSpeciesId;
 pub use layout::{MAX_SPECIES, MAX_TERMS, Term};
 pub use light::{GpuLight, LightSettings};
+pub use sky::SkyOnGpu;
 pub use species::GpuSpecies;
 
 #[cfg(test)]

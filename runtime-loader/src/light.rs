@@ -37,6 +37,8 @@ pub use cursor::LightCursor;
 pub use cursors::LightCursors;
 pub use flb_format::{Daylight, SkyPart};
 pub use instance::{InstanceLight, KeptLight};
+#[cfg(feature = "gpu")]
+pub(crate) use sky::{OTHER_ROWS, SkyRows};
 pub use sky::{SkyBeams, SkyLight};
 
 use crate::entry::known_species;

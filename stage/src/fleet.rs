@@ -1,6 +1,7 @@
 //! Frames on GPUs, where they are asked for and every species can be lit on them.
 
 use std::collections::BTreeSet;
+use std::sync::Arc;
 
 use flb_gpu::Gpu;
 use flb_render::forest::{Forest, View};
@@ -9,6 +10,7 @@ use flb_render_gpu::{
     self as on_gpu, ForestError, ForestSettings, GpuForest, LightSet, LightSource, can_light,
 };
 use flb_runtime::scene_light::SceneLightAtSun;
+use flb_runtime::{RuntimeError, SkyBeams, SpeciesLight};
 use flb_scene::{Observer, Step};
 
 use crate::light::shows_fields;
@@ -59,9 +61,6 @@ impl Fleet {
         look: &SceneLook,
         observer: &dyn Observer,
     ) -> Result<Fleet, StageError> {
-        if !look.sky.is_even() {
-            return Err(ForestError::UnevenSky.into());
-        }
         // Before anything is opened, so that a species is refused where there is no GPU as well.
         for (library, species) in stage.plants.iter().filter_map(|plant| plant.library()) {
             let entry = &library.container().species()[species];
@@ -77,9 +76,14 @@ impl Fleet {
                 None => LightSource::Even([0.0; 3]),
             })
             .collect();
+        let beams = match look.sky.is_even() {
+            true => Vec::new(),
+            false => Step::Prepare.run(observer, "sky", |_| beams(stage, look))?,
+        };
         let mut members = Vec::new();
         for gpu in &gpus {
-            let load = |_: &(dyn Fn(f64) + Sync)| LightSet::load(gpu, &sources, forest.placements().len());
+            let plants = forest.placements().len();
+            let load = |_: &(dyn Fn(f64) + Sync)| LightSet::load_for_skies(gpu, &sources, &beams, plants);
             let lights = Step::Load.run(observer, &gpu.name, load)?;
             let settings = ForestSettings::default();
             let send = |_: &(dyn Fn(f64) + Sync)| GpuForest::new(gpu, forest, &lights, settings);
@@ -159,4 +163,15 @@ fn open(count: GpuCount) -> Result<Vec<Gpu>, StageError> {
 
 fn names(gpus: &[Gpu]) -> Vec<String> {
     gpus.iter().map(|gpu| gpu.name.clone()).collect()
+}
+
+/// `[species]`: what the skies over its plants share, where the light of files is shown.
+fn beams(stage: &Stage, look: &SceneLook) -> Result<Vec<Option<Arc<SkyBeams>>>, RuntimeError> {
+    let of_plant = |plant: &crate::ScenePlant| {
+        let Some((library, species)) = plant.library().filter(|_| shows_fields(&look.look)) else {
+            return Ok(None);
+        };
+        Ok(Some(Arc::new(SpeciesLight::load(library, species)?.sky_beams()?)))
+    };
+    stage.plants.iter().map(of_plant).collect()
 }

@@ -1,5 +1,7 @@
 //! The light of a scene's species, and of every plant under a sun.
 
+use std::sync::Arc;
+
 use flb_format::{Placement, Transform};
 use flb_render::{Daylight, Indirect, Lighting, Look};
 use flb_runtime::scene_light::SceneLightAtSun;
@@ -70,8 +72,11 @@ pub(crate) fn shows_fields(look: &Look) -> bool {
 }
 
 /// `[species]`: what the skies over its plants share.
-pub(crate) fn beams(light: &[Option<SpeciesLight<'_>>]) -> Result<Vec<Option<SkyBeams>>, RuntimeError> {
-    light.iter().map(|light| light.as_ref().map(SpeciesLight::sky_beams).transpose()).collect()
+pub(crate) fn beams(light: &[Option<SpeciesLight<'_>>]) -> Result<Vec<Option<Arc<SkyBeams>>>, RuntimeError> {
+    let of_species = |light: &Option<SpeciesLight<'_>>| {
+        Ok(light.as_ref().map(SpeciesLight::sky_beams).transpose()?.map(Arc::new))
+    };
+    light.iter().map(of_species).collect()
 }
 
 /// What an uneven sky gives plants.
@@ -84,7 +89,7 @@ pub(crate) struct Skies<'l> {
 
 /// What an uneven sky gives each plant.
 pub(crate) fn skies<'l>(
-    beams: &'l [Option<SkyBeams>],
+    beams: &'l [Option<Arc<SkyBeams>>],
     placements: &[Placement],
     dome: &Sky,
 ) -> Result<Skies<'l>, RuntimeError> {
@@ -103,9 +108,9 @@ pub(crate) fn even_sky(ambient: f32) -> f32 {
 }
 
 /// Memory of the light of all species.
-pub(crate) fn size_bytes(light: &[Option<SpeciesLight<'_>>], beams: &[Option<SkyBeams>]) -> usize {
+pub(crate) fn size_bytes(light: &[Option<SpeciesLight<'_>>], beams: &[Option<Arc<SkyBeams>>]) -> usize {
     let light: usize = light.iter().flatten().map(SpeciesLight::size_bytes).sum();
-    light + beams.iter().flatten().map(SkyBeams::size_bytes).sum::<usize>()
+    light + beams.iter().flatten().map(|beams| beams.size_bytes()).sum::<usize>()
 }
 
 /// `[plant]`: its light by day, among neighbours where there is scene light, for pictures of so many rays a pixel.

@@ -77,6 +77,12 @@ impl ScenePlant {
         self.light.as_ref().is_some_and(|light| light.meta().model.suns().has_near_beam())
     }
 
+    /// Suns that its light depends on.
+    #[cfg(feature = "gpu")]
+    pub(crate) fn suns(&self) -> Option<&flb_format::SunBasis> {
+        Some(self.light.as_ref()?.meta().model.suns())
+    }
+
     /// The name of the model of its light.
     pub fn model(&self) -> Option<&'static str> {
         Some(self.light.as_ref()?.meta().model.name())

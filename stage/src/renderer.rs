@@ -1,5 +1,7 @@
 //! Frames of a stage in the light of whole files.
 
+use std::sync::Arc;
+
 use flb_render::forest::{Forest, Fragments, Search, View};
 use flb_render::{LightQuery, Picture};
 use flb_runtime::{LightCursors, SkyBeams, SpeciesLight};
@@ -28,7 +30,7 @@ struct OnCpu {
     /// `[species]`
     light: Vec<Option<SpeciesLight<'static>>>,
     /// `[species]`
-    beams: Vec<Option<SkyBeams>>,
+    beams: Vec<Option<Arc<SkyBeams>>>,
     camera: Kept,
 }
 

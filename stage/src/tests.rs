@@ -19,7 +19,7 @@ pub(crate) fn stand() -> Stage {
     stand_of(&SunBasis::Lattice18)
 }
 
-fn stand_of(suns: &SunBasis) -> Stage {
+pub(crate) fn stand_of(suns: &SunBasis) -> Stage {
     let lit = [("a", Some(suns.clone())), ("b", Some(suns.clone()))];
     let library = Arc::new(scenes::library(&lit, Codec::Classed));
     let plant = |(kind, species)| ScenePlant {

@@ -32,7 +32,7 @@ pub(crate) struct ViewArgs {
     #[arg(long, default_value_t = 64, value_name = "MB", value_parser = clap::value_parser!(u32).range(1..=1_000_000))]
     pub budget: u32,
     /// Where pictures are painted, but for the false colours; a GPU takes scenes whose light is of one file (`flb
-    /// pack`), under an even sky. `auto` passes over software
+    /// pack`). `auto` passes over software
     #[arg(long, value_enum, default_value_t = RenderBackendArg::Auto)]
     pub backend: RenderBackendArg,
     /// Light of the sky, as for `flb render` [default: the scene's, else 0.02; `physical`: 0.36]

@@ -30,32 +30,34 @@ pub(crate) const VIEW: [Member; 25] = [
     ("corner", 2),
     ("size", 2),
 ];
-pub(crate) const DAYLIGHT: [Member; 19] = [
+pub(crate) const DAYLIGHT: [Member; 21] = [
     ("towards_sun", 3),
     ("sun_strength", 1),
     ("ground_color", 3),
     ("white_in_sun", 1),
     ("horizon", 3),
-    ("white_under_sky", 1),
-    ("zenith", 3),
     ("specular", 1),
-    ("center", 3),
+    ("zenith", 3),
     ("haze_m", 1),
+    ("center", 3),
     ("direct", 1),
+    ("white_under_sky", 3),
     ("indirect", 1),
+    ("sun_color", 3),
     ("units", 1),
-    ("show", 1),
-    ("ambient", 1),
-    ("cells", 1),
-    ("unused", 2),
     ("water_color", 3),
-    ("unused_2", 1),
+    ("show", 1),
+    ("fluence", 3),
+    ("cells", 1),
+    ("has_dome", 1),
+    ("unused", 1),
+    ("unused_2", 2),
 ];
 pub(crate) const STRIP: [Member; 4] = [("top", 1), ("columns", 1), ("first", 1), ("unused", 1)];
 pub(crate) const FRAGMENT: [Member; 5] =
     [("instance", 1), ("triangle", 1), ("weights", 2), ("distance_m", 1), ("sky", 1)];
 pub(crate) const LIT: [Member; 6] =
-    [("color", 3), ("instance", 1), ("share", 3), ("unused", 1), ("point_model_m", 3), ("unused_2", 1)];
+    [("color", 3), ("instance", 1), ("share", 3), ("facing_xy", 1), ("point_model_m", 3), ("facing_z", 1)];
 pub(crate) const BOX: [Member; 4] = [("min", 3), ("first", 1), ("max", 3), ("count", 1)];
 pub(crate) const MODEL: [Member; 4] = [("min", 3), ("root", 1), ("max", 3), ("lift", 1)];
 pub(crate) const TRIANGLE: [Member; 5] = [("a", 1), ("b", 1), ("c", 1), ("number", 1), ("material", 1)];

@@ -14,14 +14,22 @@ struct SpeciesTerms {
     near_count: u32,
     // Light is never less.
     least: f32,
-    // Terms at the beginning that are of the sky.
+    // Terms at the beginning that are of the sky; with UNEVEN, of an uneven one, for flb_sky.
     sky_count: u32,
+}
+
+// What light of fields is asked for.
+struct Asked {
+    point_model_m: vec3<f32>,
+    // Side of a solid, or 0.
+    facing: vec3<f32>,
 }
 
 // Places of a pixel from which the near beam around its points is estimated: each of its rays has an even share.
 const OFFSETS: u32 = 4u;
 
 const NONE: u32 = 0xffffffffu;
+const UNEVEN: u32 = 0x80000000u;
 
 // In the order of the stand's tree.
 @group(1) @binding(0) var<storage, read> species_terms: array<SpeciesTerms>;
@@ -41,6 +49,23 @@ fn bounded(terms: SpeciesTerms, light: vec3<f32>) -> vec3<f32> {
     return select(max(light, vec3<f32>(terms.least)), light, is_shared);
 }
 
+// Light of a plant under an uneven sky: of the sun and of the sky, times these shares.
+fn under_uneven_sky(terms: SpeciesTerms, asked: Asked, sun: f32, sky: f32) -> vec3<f32> {
+    let of_sky = terms.sky_count & ~UNEVEN;
+    var near = vec4<f32>(1.0);
+    var near_from = FLB_NONE;
+    if terms.near_count > 0u {
+        near = near_of(terms, asked.point_model_m);
+        near_from = terms.first_term + terms.term_count - terms.near_count;
+    }
+    let place = flb_locate(terms.species, asked.point_model_m);
+    let first_of_sun = terms.first_term + of_sky;
+    let of_sun =
+        flb_light_near(terms.species, first_of_sun, terms.term_count - of_sky, place.texel, place.part, near_from, near);
+    let light = bounded(terms, (terms.constant + of_sun) * sun) * daylight.sun_color;
+    return light + flb_sky(terms.species, terms.first_term, asked.point_model_m, asked.facing) * sky;
+}
+
 @compute @workgroup_size(WORKGROUP)
 fn light(@builtin(workgroup_id) workgroup: vec3<u32>, @builtin(local_invocation_index) local: u32) {
     let task = task_of(workgroup.x, local);
@@ -49,6 +74,7 @@ fn light(@builtin(workgroup_id) workgroup: vec3<u32>, @builtin(local_invocation_
     }
     let seen = lit[task.ray];
     if seen.instance < GROUND && any(seen.share != vec3<f32>(0.0)) {
-        lit[task.ray].color = seen.color + seen.share * indirect(seen.instance, seen.point_model_m);
+        let facing = vec3<f32>(unpack2x16snorm(seen.facing_xy), unpack2x16snorm(seen.facing_z).x);
+        lit[task.ray].color = seen.color + seen.share * indirect(seen.instance, Asked(seen.point_model_m, facing));
     }
 }

@@ -35,10 +35,18 @@ const HEAD: u32 = 6u;
 // bits of floats.
 @group(1) @binding(2) var<storage, read> volumes: array<u32>;
 
-fn indirect(instance: u32, point_model_m: vec3<f32>) -> vec3<f32> {
+fn indirect(instance: u32, asked: Asked) -> vec3<f32> {
+    let point_model_m = asked.point_model_m;
     let terms = species_terms[instance];
     if terms.species == NONE {
         return terms.constant;
+    }
+    let blend = blends[instance];
+    let sky = modulation_of_sky(blend, point_model_m);
+    let sun = modulation_of_sun(blend, point_model_m);
+    let added = daylight.sun_strength * dot(daylight.sun_color, LUMINANCE) * sun.add + dot(daylight.fluence, LUMINANCE) * sky.add;
+    if (terms.sky_count & UNEVEN) != 0u {
+        return with_added(under_uneven_sky(terms, asked, sun.scale, sky.scale), added);
     }
     var near = vec4<f32>(1.0);
     var near_from = FLB_NONE;
@@ -50,11 +58,11 @@ fn indirect(instance: u32, point_model_m: vec3<f32>) -> vec3<f32> {
     let first_of_sun = terms.first_term + terms.sky_count;
     let of_sky = flb_light(terms.species, terms.first_term, terms.sky_count, place.texel, place.part);
     let of_sun = flb_light_near(terms.species, first_of_sun, terms.term_count - terms.sky_count, place.texel, place.part, near_from, near);
-    let blend = blends[instance];
-    let sky = modulation_of_sky(blend, point_model_m);
-    let sun = modulation_of_sun(blend, point_model_m);
-    let light = bounded(terms, (terms.constant + of_sky) * sky.scale + of_sun * sun.scale);
-    let added = daylight.sun_strength * sun.add + daylight.ambient * sky.add;
+    return with_added(bounded(terms, (terms.constant + of_sky) * sky.scale + of_sun * sun.scale), added);
+}
+
+// Light, and what others add to it, in its own colour.
+fn with_added(light: vec3<f32>, added: f32) -> vec3<f32> {
     let luminance = dot(light, LUMINANCE);
     if added > 0.0 {
         return select(light + vec3<f32>(added), light * (1.0 + added / luminance), luminance > 0.0);

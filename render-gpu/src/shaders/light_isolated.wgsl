@@ -1,8 +1,12 @@
 // Light of an instance's fields at a point of its model, in the units of the shading.
-fn indirect(instance: u32, point_model_m: vec3<f32>) -> vec3<f32> {
+fn indirect(instance: u32, asked: Asked) -> vec3<f32> {
+    let point_model_m = asked.point_model_m;
     let terms = species_terms[instance];
     if terms.species == NONE {
         return terms.constant;
+    }
+    if (terms.sky_count & UNEVEN) != 0u {
+        return under_uneven_sky(terms, asked, 1.0, 1.0);
     }
     if terms.near_count > 0u {
         let near = near_of(terms, point_model_m);

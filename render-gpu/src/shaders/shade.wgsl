@@ -16,6 +16,9 @@ struct Surface {
     material: u32,
 }
 
+// The sky as it is drawn, [y][x]: rows from overhead to below, columns from south by way of west.
+@group(3) @binding(0) var dome: texture_2d<f32>;
+
 @compute @workgroup_size(WORKGROUP)
 fn shade(@builtin(workgroup_id) workgroup: vec3<u32>, @builtin(local_invocation_index) local: u32) {
     let task = task_of(workgroup.x, local);
@@ -94,10 +97,14 @@ fn plant(fragment: Fragment, direction: vec3<f32>) -> Lit {
         side = select(-hit.flat_normal, hit.flat_normal, cosine >= 0.0);
         let offset_m = materials[hit.material].solid_offset_m;
         let received = select(FRAC_1_4_PI, FRAC_1_2_PI, offset_m < 0.0);
+        if !is_leaf {
+            seen.facing_xy = pack2x16snorm(hit.flat_normal.xy);
+            seen.facing_z = pack2x16snorm(vec2<f32>(hit.flat_normal.z, 0.0));
+        }
         seen.share = (reflectance + transmittance) * (received * daylight.indirect);
         seen.point_model_m += hit.flat_normal * max(offset_m, 0.0);
     }
-    direct *= daylight.sun_strength * daylight.direct;
+    direct *= daylight.sun_color * (daylight.sun_strength * daylight.direct);
     if any(direct != vec3<f32>(0.0)) && !is_shaded(fragment, instance, hit.point, side, towards) {
         seen.color = direct;
     }
@@ -201,18 +208,18 @@ fn body_color(point: vec3<f32>, sky: f32) -> vec3<f32> {
 }
 
 // What a white ground sends out at a point because of the sun, by the cosine of its angle to the ground's normal.
-fn sun_on(origin: vec3<f32>, cosine: f32) -> f32 {
+fn sun_on(origin: vec3<f32>, cosine: f32) -> vec3<f32> {
     if daylight.direct > 0.0 && cosine > 0.0 && daylight.white_in_sun > 0.0 {
         if !is_blocked(origin, NONE) {
-            return cosine * daylight.white_in_sun;
+            return daylight.sun_color * (cosine * daylight.white_in_sun);
         }
     }
-    return 0.0;
+    return vec3<f32>(0.0);
 }
 
 // What it sends out because of the sky, of which it sees a share.
-fn sky_on(share: f32) -> f32 {
-    return select(0.0, daylight.white_under_sky * share, daylight.indirect > 0.0);
+fn sky_on(share: f32) -> vec3<f32> {
+    return select(vec3<f32>(0.0), daylight.white_under_sky * share, daylight.indirect > 0.0);
 }
 
 // How much of the ground is left of the haze.
@@ -222,7 +229,29 @@ fn cover_at(point: vec3<f32>) -> f32 {
 }
 
 fn sky_color(direction: vec3<f32>) -> vec3<f32> {
+    if daylight.has_dome != 0u {
+        return dome_color(direction);
+    }
     return mix(daylight.horizon, daylight.zenith, sqrt(clamp(direction.y, 0.0, 1.0)));
+}
+
+// Between the pixels of the dome.
+fn dome_color(direction: vec3<f32>) -> vec3<f32> {
+    let size = vec2<f32>(textureDimensions(dome));
+    // The quotient of 0 and 0 has no angle.
+    let turn = atan2(-direction.x, select(direction.z, 1e-20, all(direction.xz == vec2<f32>(0.0)))) * FRAC_1_2_PI;
+    let fall = acos(clamp(direction.y, -1.0, 1.0)) * FRAC_1_PI;
+    let at = vec2<f32>(fract(turn), fall) * size - vec2<f32>(0.5);
+    let y = clamp(at.y, 0.0, size.y - 1.0);
+    let low = vec2<i32>(vec2<f32>(floor(at.x), floor(y)));
+    let part = vec2<f32>(at.x - floor(at.x), y - floor(y));
+    let last = vec2<i32>(size) - vec2<i32>(1);
+    let left = select(low.x, last.x, low.x < 0);
+    let right = select(left + 1, 0, left == last.x);
+    let below = min(low.y + 1, last.y);
+    let top = mix(textureLoad(dome, vec2<i32>(left, low.y), 0), textureLoad(dome, vec2<i32>(right, low.y), 0), part.x);
+    let bottom = mix(textureLoad(dome, vec2<i32>(left, below), 0), textureLoad(dome, vec2<i32>(right, below), 0), part.x);
+    return mix(top, bottom, part.y).xyz;
 }
 
 fn unit_or_zero(v: vec3<f32>) -> vec3<f32> {

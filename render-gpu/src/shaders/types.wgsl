@@ -47,27 +47,32 @@ struct Daylight {
     sun_strength: f32,
     ground_color: vec3<f32>,
     white_in_sun: f32,
-    // Colours of the sky as it is drawn.
+    // Colours of an even sky as it is drawn.
     horizon: vec3<f32>,
-    white_under_sky: f32,
-    zenith: vec3<f32>,
     specular: f32,
+    zenith: vec3<f32>,
+    haze_m: f32,
     // Middle of the stand.
     center: vec3<f32>,
-    haze_m: f32,
-    // Light of the sun itself, and of the fields: 0 or 1.
+    // Light of the sun itself: 0 or 1.
     direct: f32,
+    white_under_sky: vec3<f32>,
+    // Light of the fields, and its factor.
     indirect: f32,
+    // Factor on the sun's light.
+    sun_color: vec3<f32>,
     units: u32,
+    water_color: vec3<f32>,
     // SHOW_PICTURE and so on.
     show: u32,
     // Of the sky, for light among neighbours.
-    ambient: f32,
+    fluence: vec3<f32>,
     // First word of the grid across the sun's rays.
     cells: u32,
-    unused: vec2<u32>,
-    water_color: vec3<f32>,
-    unused_2: u32,
+    // Whether the sky is drawn from a picture of it.
+    has_dome: u32,
+    unused: u32,
+    unused_2: vec2<u32>,
 }
 
 // Rows of squares that are at work.
@@ -101,9 +106,10 @@ struct Lit {
     instance: u32,
     // Share of the fields' light that is seen.
     share: vec3<f32>,
-    unused: u32,
+    // Side of a solid that is seen, in the model's frame, as 16 bits a component; 0 of a leaf.
+    facing_xy: u32,
     point_model_m: vec3<f32>,
-    unused_2: u32,
+    facing_z: u32,
 }
 
 // What an invocation is to do.

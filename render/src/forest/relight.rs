@@ -1,7 +1,5 @@
 //! Rays in the light of a sun: shadow rays and baked light, and nothing that the camera has found before.
 
-use std::f32::consts::FRAC_1_PI;
-
 use flb_scene::MaterialClass;
 use glam::{DVec3, Vec3};
 
@@ -18,7 +16,7 @@ use super::{
 };
 use crate::{
     Lighting, Look, Picture, RenderError,
-    backdrop::{on_level_ground, sky_gradient},
+    backdrop::sky_gradient,
     picture::{if_finite, not_below_0},
     scene::{Hit, TriangleHit},
     shading::Seen,
@@ -112,20 +110,9 @@ impl<'a> Lit<'a> {
         look: &'a Look,
         light: &'a LightFn<'a>,
     ) -> Result<Lit<'a>, RenderError> {
-        let towards = lighting.validated()?;
-        look.check()?;
-        let scenery = forest.around().under(lighting, look, towards, camera.lens.position);
-        let white_under_sky = match &lighting.dome {
-            None => Vec3::splat(scenery.white_under_sky),
-            Some(_) if !forest.units.has_uneven_sky() => {
-                return Err(RenderError::Setting {
-                    name: "dome",
-                    found: "a sky with the shading `paper`".into(),
-                    expected: "the shading `physical`".into(),
-                });
-            }
-            Some(dome) => on_level_ground(dome) * FRAC_1_PI,
-        };
+        let scenery = forest.around().scenery(lighting, look, camera.lens.position.to_array())?;
+        let towards = DVec3::from(scenery.towards_sun);
+        let white_under_sky = Vec3::from(scenery.white_under_sky);
         let grid = match forest.search.shadow {
             InstanceSearch::Tree => None,
             InstanceSearch::Grid => {

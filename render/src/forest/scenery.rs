@@ -1,9 +1,12 @@
 //! What a daylight makes of the surroundings: how bright sun, ground and sky are drawn, and where the ground ends.
 
+use std::f32::consts::FRAC_1_PI;
+
 use flb_format::Daylight;
 use glam::DVec3;
 
 use super::Forest;
+use crate::backdrop::on_level_ground;
 use crate::{Lighting, Look, RenderError, Units};
 
 /// Strengths of everything around the plants under one sun, for one camera.
@@ -15,8 +18,8 @@ pub struct Scenery {
     pub sun_strength: f32,
     /// Light that a white ground sends out in a sun overhead.
     pub white_in_sun: f32,
-    /// Light that a white ground sends out under open sky.
-    pub white_under_sky: f32,
+    /// Light that a white ground sends out under open sky, R, G, B.
+    pub white_under_sky: [f32; 3],
     /// Factor on the gradient of sky.
     pub sky_strength: f32,
     /// Middle of the stand.
@@ -46,26 +49,34 @@ impl Around {
     /// Computes the surroundings in a light, seen from a point.
     ///
     /// # Errors
-    /// [`RenderError::Setting`] for a light or a look outside its limits.
+    /// [`RenderError::Setting`] for a light or a look outside its limits, and for an uneven sky over the shading
+    /// `paper`.
     pub fn scenery(
         &self,
         lighting: &Lighting,
         look: &Look,
         camera_m: [f64; 3],
     ) -> Result<Scenery, RenderError> {
+        let (towards, camera) = (lighting.validated()?, DVec3::from(camera_m));
         look.check()?;
-        Ok(self.under(lighting, look, lighting.validated()?, DVec3::from(camera_m)))
-    }
-
-    /// `towards` is of unit length.
-    pub(super) fn under(&self, lighting: &Lighting, look: &Look, towards: DVec3, camera: DVec3) -> Scenery {
         let Daylight { sun, sky, .. } = lighting.daylight;
         let is_up = towards.y > 0.0 || !self.has_ground;
-        let [white_in_sun, white_under_sky, sky_strength] = self.units.surroundings(sun, sky, look);
+        let [white_in_sun, white_under_even, sky_strength] = self.units.surroundings(sun, sky, look);
+        let white_under_sky = match &lighting.dome {
+            None => [white_under_even; 3],
+            Some(_) if !self.units.has_uneven_sky() => {
+                return Err(RenderError::Setting {
+                    name: "dome",
+                    found: "a sky with the shading `paper`".into(),
+                    expected: "the shading `physical`".into(),
+                });
+            }
+            Some(dome) => (on_level_ground(dome) * FRAC_1_PI).to_array(),
+        };
         let [min, max] = self.box_m.map(DVec3::from);
         let (center, half) = ((min + max) / 2.0, (max - min) / 2.0);
         let level = |offset: DVec3| (offset.x * offset.x + offset.z * offset.z).sqrt();
-        Scenery {
+        Ok(Scenery {
             towards_sun: towards.to_array(),
             sun_strength: if is_up { sun } else { 0.0 },
             white_in_sun: if is_up { white_in_sun } else { 0.0 },
@@ -75,7 +86,7 @@ impl Around {
             haze_m: self
                 .fades_at_m
                 .unwrap_or((HAZE[0] * level(half)).max(HAZE[1] * (camera - center).length())),
-        }
+        })
     }
 }
 

@@ -4,6 +4,7 @@ use super::layout::{BASE_BYTES, MAX_SPECIES, SPECIES_BYTES, TERM_BYTES};
 
 const LIGHT: &str = include_str!("light.wgsl");
 const NEAR: &str = include_str!("near.wgsl");
+const SKY: &str = include_str!("sky.wgsl");
 /// As light.wgsl has it.
 const GROUP: &str = "@group(3)";
 /// As light.wgsl has it.
@@ -11,10 +12,10 @@ const SUMS: &str = "alias FlbReals = vec4<f32>;";
 const ENABLE_F16: &str = "enable f16;\n";
 const SUMS_F16: &str = "alias FlbReals = vec4<f16>;";
 
-/// The functions that sample light, to be put before a shader of one's own: `flb_sample`, `flb_near`
-/// and `flb_sample_near`, and what they need, bound to a group.
+/// The functions that sample light, to be put before a shader of one's own: `flb_sample`, `flb_near`,
+/// `flb_sample_near` and `flb_sky`, and what they need, bound to a group.
 pub fn light_wgsl(group: u32) -> String {
-    LIGHT.replace(GROUP, &format!("@group({group})")) + NEAR
+    LIGHT.replace(GROUP, &format!("@group({group})")) + NEAR + SKY
 }
 
 /// [`light_wgsl`] with sums over coefficients in f16, for devices with `wgpu::Features::SHADER_F16`: half the

@@ -30,7 +30,8 @@
 
 use std::collections::{HashSet, VecDeque};
 
-use super::{GpuError, GpuLight, GpuSpeciesId, Term};
+use super::{GpuError, GpuLight, GpuSpeciesId, SkyOnGpu, Term};
+use crate::SkyBeams;
 use crate::residency::{Unit, UnitId, UnitKind, Units};
 use crate::resident::{Resident, ResidentSpecies, Shown, Terms};
 use crate::stream::Frame;
@@ -220,6 +221,25 @@ impl Follower {
         let bases = self.bases[species].iter().flatten().map(|(_, sent)| *sent);
         let light = resident.species(species);
         bases.chain(self.extinctions[species]).any(|sent| self.shown(light, sent) < 1.0)
+    }
+
+    /// Sends the beams of a species that skies need, unless they are there or its block map is not: to be called after
+    /// [`Follower::follow`], with which they go.
+    ///
+    /// # Errors
+    /// As [`GpuLight::set_sky_beams`].
+    pub fn send_sky_beams(&mut self, species: usize, beams: &SkyBeams) -> Result<(), GpuError> {
+        match self.species[species] {
+            Some(number) if !self.light.has_sky_beams(number) => self.light.set_sky_beams(number, beams),
+            _ => Ok(()),
+        }
+    }
+
+    /// The terms of an uneven sky over a plant, for `flb_sky`; `None` while its beams or a base are not on the GPU.
+    pub fn sky_terms(&self, species: usize, units: &Units, sky: &SkyOnGpu) -> Option<Vec<Term>> {
+        self.species[species].filter(|number| self.light.has_sky_beams(*number))?;
+        let place = |item: u8| units.bases(species).iter().position(|base| base.item == item);
+        sky.terms(|item| self.bases[species][place(item)?].map(|(index, _)| index)).ok()
     }
 
     /// Terms for `flb_sample_near`, of the bases that were sent, and what the shader adds to them per band: as

@@ -48,6 +48,8 @@ pub(super) struct SpeciesPlaces {
     pub extinction: u32,
     /// Whether the species' fields need light scattered once.
     pub single: bool,
+    /// First word of the beams of skies, or [`NONE`], and their means.
+    pub sky: [u32; 2],
 }
 
 /// `FlbSpecies`.
@@ -55,7 +57,7 @@ pub(super) fn species_fields(
     grid: &Grid,
     shared: &Shared,
     places: SpeciesPlaces,
-) -> [(&'static str, [u32; 3]); 9] {
+) -> [(&'static str, [u32; 3]); 10] {
     let middle_m = grid.middle_m([grid.lattice / 2; 3]);
     let one = |word: u32| [word, 0, 0];
     [
@@ -67,15 +69,16 @@ pub(super) fn species_fields(
         ("haar", one(u32::from(shared.coding == Coding::Haar))),
         ("extinction", one(places.extinction)),
         ("single", one(u32::from(places.single))),
-        ("unused", [0; 3]),
+        ("sky", one(places.sky[0])),
+        ("sky_means", one(places.sky[1])),
     ]
 }
 
 /// The words of a `FlbSpecies`.
 pub(super) fn species_words(grid: &Grid, shared: &Shared, places: SpeciesPlaces) -> [u32; 12] {
     let [(_, [x, y, z]), rest @ ..] = species_fields(grid, shared, places);
-    let [per_m, lattice, map, edge, haar, extinction, single, unused] = rest.map(|(_, [word, ..])| word);
-    [x, y, z, per_m, lattice, map, edge, haar, extinction, single, unused, 0]
+    let [per_m, lattice, map, edge, haar, extinction, single, sky, means] = rest.map(|(_, [word, ..])| word);
+    [x, y, z, per_m, lattice, map, edge, haar, extinction, single, sky, means]
 }
 
 /// `FlbBase` behind its colours. Records and coarse averages begin at words of the buffer.

@@ -51,20 +51,22 @@ pub struct GpuLight {
     layout: wgpu::BindGroupLayout,
     group: wgpu::BindGroup,
     settings: LightSettings,
-    words: Pool,
+    pub(super) words: Pool,
     /// `[species]`; `None` where it was removed.
     species: Vec<Option<Species>>,
     /// `[base index]` whether it is taken.
     taken: Vec<bool>,
 }
 
-struct Species {
-    grid: Grid,
+pub(super) struct Species {
+    pub(super) grid: Grid,
     shared: Arc<Shared>,
     map: Span,
-    extinction: Option<Span>,
+    pub(super) extinction: Option<Span>,
     /// Whether the near beam needs light scattered once.
     single: bool,
+    /// Beams of skies, and how many means they are of.
+    pub(super) sky: Option<(Span, u32)>,
     bases: BTreeMap<u8, Base>,
 }
 
@@ -173,6 +175,7 @@ impl GpuLight {
             map,
             extinction: None,
             single: false,
+            sky: None,
             bases: BTreeMap::new(),
         });
         let id = GpuSpeciesId(number as u32);
@@ -180,8 +183,9 @@ impl GpuLight {
         Ok(id)
     }
 
-    /// Sends the extinction of a species, in place of what was there of it, for `flb_near`; `single` says whether its
-    /// fields need light scattered once. 16 bytes per block that holds matter and 4 per site that does.
+    /// Sends the extinction of a species, in place of what was there of it and of beams of skies, for `flb_near`;
+    /// `single` says whether its fields need light scattered once. 16 bytes per block that holds matter and 4 per site
+    /// that does.
     ///
     /// # Errors
     /// [`GpuError::NoSpecies`]; [`GpuError::OtherExtinction`] for one of another lattice; [`GpuError::Full`]; nothing
@@ -199,29 +203,32 @@ impl GpuLight {
         let span = self.place(&layout::extinction_words(extinction))?;
         let known = self.known_mut(species)?;
         known.single = single;
-        let before = known.extinction.replace(span);
+        let before = [known.extinction.replace(span), known.sky.take().map(|(span, _)| span)];
         self.write_species(species)?;
-        before.into_iter().for_each(|span| self.words.give_back(span));
+        before.into_iter().flatten().for_each(|span| self.words.give_back(span));
         Ok(())
     }
 
-    /// Forgets the extinction of a species; `flb_near` then takes half of it to be lit.
+    /// Forgets the extinction of a species, and the beams of skies, which follow its order; `flb_near` then takes half
+    /// of it to be lit.
     ///
     /// # Errors
     /// [`GpuError::NoSpecies`].
     pub fn remove_extinction(&mut self, species: GpuSpeciesId) -> Result<(), GpuError> {
-        let before = self.known_mut(species)?.extinction.take();
+        let known = self.known_mut(species)?;
+        let before = [known.extinction.take(), known.sky.take().map(|(span, _)| span)];
         self.write_species(species)?;
-        before.into_iter().for_each(|span| self.words.give_back(span));
+        before.into_iter().flatten().for_each(|span| self.words.give_back(span));
         Ok(())
     }
 
-    fn write_species(&self, species: GpuSpeciesId) -> Result<(), GpuError> {
+    pub(super) fn write_species(&self, species: GpuSpeciesId) -> Result<(), GpuError> {
         let known = self.known(species)?;
         let places = SpeciesPlaces {
             map: known.map.first(),
             extinction: known.extinction.as_ref().map_or(layout::NONE, Span::first),
             single: known.single,
+            sky: known.sky.as_ref().map_or([layout::NONE, 0], |(span, means)| [span.first(), *means]),
         };
         let words = layout::species_words(&known.grid, &known.shared, places);
         let place = SPECIES_BYTES * u64::from(species.word());
@@ -235,10 +242,11 @@ impl GpuLight {
     /// [`GpuError::NoSpecies`].
     pub fn remove_species(&mut self, species: GpuSpeciesId) -> Result<(), GpuError> {
         let slot = self.species.get_mut(species.index());
-        let Species { map, bases, extinction, .. } =
+        let Species { map, bases, extinction, sky, .. } =
             slot.and_then(Option::take).ok_or(GpuError::NoSpecies { species })?;
         self.words.give_back(map);
-        extinction.into_iter().for_each(|span| self.words.give_back(span));
+        let spans = extinction.into_iter().chain(sky.map(|(span, _)| span));
+        spans.for_each(|span| self.words.give_back(span));
         bases.into_values().for_each(|base| self.forget(base));
         Ok(())
     }
@@ -383,7 +391,7 @@ impl GpuLight {
         Ok(())
     }
 
-    /// Bytes that a species' light takes: block map, extinction, records, coarse averages, nibbles.
+    /// Bytes that a species' light takes: block map, extinction, beams of skies, records, coarse averages, nibbles.
     ///
     /// # Errors
     /// [`GpuError::NoSpecies`].
@@ -391,6 +399,7 @@ impl GpuLight {
         let known = self.known(species)?;
         let words = known.map.count()
             + known.extinction.as_ref().map_or(0, Span::count)
+            + known.sky.as_ref().map_or(0, |(span, _)| span.count())
             + known.bases.values().map(Base::words).sum::<u32>();
         Ok(WORD * u64::from(words) + SPECIES_BYTES + BASE_BYTES * known.bases.len() as u64)
     }
@@ -414,11 +423,11 @@ impl GpuLight {
         Ok(&self.known(species)?.shared)
     }
 
-    fn known(&self, species: GpuSpeciesId) -> Result<&Species, GpuError> {
+    pub(super) fn known(&self, species: GpuSpeciesId) -> Result<&Species, GpuError> {
         self.species.get(species.index()).and_then(Option::as_ref).ok_or(GpuError::NoSpecies { species })
     }
 
-    fn known_mut(&mut self, species: GpuSpeciesId) -> Result<&mut Species, GpuError> {
+    pub(super) fn known_mut(&mut self, species: GpuSpeciesId) -> Result<&mut Species, GpuError> {
         self.species.get_mut(species.index()).and_then(Option::as_mut).ok_or(GpuError::NoSpecies { species })
     }
 
@@ -428,7 +437,7 @@ impl GpuLight {
     }
 
     /// Takes words and sends them.
-    fn place(&mut self, words: &[u32]) -> Result<Span, GpuError> {
+    pub(super) fn place(&mut self, words: &[u32]) -> Result<Span, GpuError> {
         let span = self.take(words)?;
         self.write_words(span.first(), words);
         Ok(span)

@@ -1,14 +1,15 @@
 // Light of blocks near geometry, straight from their coefficients. Put this file before your own shader; it adds names
 // that begin with flb_ or Flb, and one bind group:
 //
-//   @group(3) @binding(0)  uniform             species   where each lies, and which blocks it stores @group(3)
-//   @binding(1)  storage, read only  bases     what turns integers of a base into light @group(3) @binding(2)  storage,
-//   read only  words     block maps, records, nibbles, coarse averages @group(3) @binding(3)  storage, read only  terms
-//   which bases an instance's light is made of, and how much of each
+//   @group(3) @binding(0)  uniform             species   where each lies, and which blocks it stores
+//   @group(3) @binding(1)  storage, read only  bases     what turns integers of a base into light
+//   @group(3) @binding(2)  storage, read only  words     block maps, records, nibbles, coarse averages, and more
+//   @group(3) @binding(3)  storage, read only  terms     bases that an instance's light is made of, how much of each
 //
 // `flb_sample(species, first_term, term_count, point_model_m)` is the light at a point: red, green and blue; of fewer
 // bands the rest is 0. Records and nibbles are laid out as pack.rs describes. The sums are those of CodedBase::sample
-// in another order. Light of harmonics needs the near beam beside it: near.wgsl, which follows.
+// in another order. Light of harmonics needs the near beam beside it: near.wgsl, which follows. Light of an uneven sky
+// is in sky.wgsl.
 
 struct FlbSpecies {
     // Model space, of the texel in the middle: x = y = z = lattice / 2.
@@ -25,7 +26,9 @@ struct FlbSpecies {
     extinction: u32,
     // Whether the fields need light scattered once.
     single: u32,
-    unused: vec2<u32>,
+    // First word of the beams of skies, for sky.wgsl; FLB_NONE where they are not there. Means that they are of.
+    sky: u32,
+    sky_means: u32,
 }
 
 struct FlbBase {
@@ -134,46 +137,50 @@ fn flb_light_near(
     near_from: u32,
     near: vec4<f32>,
 ) -> vec3<f32> {
-    var blocks = flb_blocks(species, texel, part);
+    let blocks = flb_blocks(species, texel, part);
     let end = first_term + min(term_count, FLB_TERMS);
     var light = vec3<f32>(0.0);
     for (var t = first_term; t < end; t++) {
-        let base = flb_terms[t].base;
-        let components = flb_bases[base].components;
-        let records = flb_bases[base].records;
-        var parts = vec3<f32>(0.0);
-        var upper = 0u;
-        var more = FLB_NONE;
-        loop {
-            let ranks = select(blocks.low_ranks, blocks.high_ranks, upper >= 4u);
-            let pair = select(ranks.xy, ranks.zw, (upper & 2u) != 0u);
-            let rank = select(pair.x, pair.y, (upper & 1u) != 0u);
-            if rank != FLB_NONE {
-                let x = select(blocks.low_x, blocks.high_x, (upper & 1u) != 0u);
-                let y = select(blocks.low_y, blocks.high_y, (upper & 2u) != 0u);
-                let z = select(blocks.low_z, blocks.high_z, (upper & 4u) != 0u);
-                let weights = select(blocks.low, blocks.high, (vec3<u32>(upper) & vec3<u32>(1u, 2u, 4u)) != vec3<u32>(0u));
-                let record = select(more, records + rank * (1u + components), more == FLB_NONE);
-                let share = flb_block(record, components, weights.x * weights.y * weights.z, x, y, z);
-                parts += share.parts;
-                more = share.more;
-            }
-            if more == FLB_NONE {
-                if upper == blocks.straddled {
-                    break;
-                }
-                upper = (upper - blocks.straddled) & blocks.straddled;
-            }
-        }
-        let factor = flb_factor(t, near_from, near);
-        // Colours of components that are not there are 0.
-        light += (factor * parts.x) * flb_bases[base].colors[0].xyz + (factor * parts.y) * flb_bases[base].colors[1].xyz;
-        if components > 2u {
-            light += (factor * parts.z) * flb_bases[base].colors[2].xyz;
-        }
+        light += flb_of_base(flb_terms[t].base, blocks, flb_factor(t, near_from, near));
     }
     if blocks.missing != 0u {
         light += flb_coarse_light(species, first_term, end, texel, part, blocks.straddled, blocks.missing, near_from, near);
+    }
+    return light;
+}
+
+// A base times a factor, as far as its blocks are stored.
+fn flb_of_base(base: u32, blocks: FlbBlocks, factor: f32) -> vec3<f32> {
+    let components = flb_bases[base].components;
+    let records = flb_bases[base].records;
+    var parts = vec3<f32>(0.0);
+    var upper = 0u;
+    var more = FLB_NONE;
+    loop {
+        let ranks = select(blocks.low_ranks, blocks.high_ranks, upper >= 4u);
+        let pair = select(ranks.xy, ranks.zw, (upper & 2u) != 0u);
+        let rank = select(pair.x, pair.y, (upper & 1u) != 0u);
+        if rank != FLB_NONE {
+            let x = select(blocks.low_x, blocks.high_x, (upper & 1u) != 0u);
+            let y = select(blocks.low_y, blocks.high_y, (upper & 2u) != 0u);
+            let z = select(blocks.low_z, blocks.high_z, (upper & 4u) != 0u);
+            let weights = select(blocks.low, blocks.high, (vec3<u32>(upper) & vec3<u32>(1u, 2u, 4u)) != vec3<u32>(0u));
+            let record = select(more, records + rank * (1u + components), more == FLB_NONE);
+            let share = flb_block(record, components, weights.x * weights.y * weights.z, x, y, z);
+            parts += share.parts;
+            more = share.more;
+        }
+        if more == FLB_NONE {
+            if upper == blocks.straddled {
+                break;
+            }
+            upper = (upper - blocks.straddled) & blocks.straddled;
+        }
+    }
+    // Colours of components that are not there are 0.
+    var light = (factor * parts.x) * flb_bases[base].colors[0].xyz + (factor * parts.y) * flb_bases[base].colors[1].xyz;
+    if components > 2u {
+        light += (factor * parts.z) * flb_bases[base].colors[2].xyz;
     }
     return light;
 }

@@ -6,7 +6,7 @@
 
 use flb_format::{FormatError, SunBasis};
 
-use super::{GpuError, GpuLight, GpuSpeciesId, Term};
+use super::{GpuError, GpuLight, GpuSpeciesId, SkyOnGpu, Term};
 use crate::entry::known_species;
 use crate::extinction::Extinction;
 use crate::{Library, RuntimeError, SunTerms};
@@ -60,8 +60,17 @@ impl GpuSpecies {
         self.is_bounded
     }
 
-    /// Adds the terms of a sky, if it sends any light, and then those of a sun (model's frame, any length; one without
-    /// a direction sends nothing), and tells how many of the last are of the near beam, for `flb_sample_near`.
+    /// The terms of an uneven sky over a plant, for `flb_sky`: [`GpuLight::set_sky_beams`] sent its beams.
+    ///
+    /// # Errors
+    /// [`GpuError::NoBase`] for one that the file does not have.
+    pub fn sky_terms(&self, sky: &SkyOnGpu) -> Result<Vec<Term>, GpuError> {
+        let index = |base: u8| self.indices[usize::from(base)];
+        sky.terms(index).map_err(|base| GpuError::NoBase { species: self.number, base })
+    }
+
+    /// Adds the terms of an even sky, if it sends any light, and then those of a sun (model's frame, any length; one
+    /// without a direction sends nothing), and tells how many of the last are of the near beam, for `flb_sample_near`.
     ///
     /// # Errors
     /// [`GpuError::NoBase`] for one that the file does not have.

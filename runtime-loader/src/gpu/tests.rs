@@ -8,5 +8,6 @@ mod near;
 mod packed;
 mod parity;
 mod probe;
+mod sky;
 mod streaming;
 mod wgsl;

@@ -12,6 +12,8 @@
 //! is added to the even sky as a difference from it, so that an even sky has exactly the light that is stored for it.
 
 mod beams;
+#[cfg(feature = "gpu")]
+mod rows;
 
 use std::f64::consts::PI;
 use std::ops::Range;
@@ -29,6 +31,8 @@ use crate::sun_terms::{near_bases, unit};
 use crate::{RuntimeError, SunTerms};
 pub use beams::SkyBeams;
 use beams::SkyFactors;
+#[cfg(feature = "gpu")]
+pub(crate) use rows::{OTHER_ROWS, SkyRows};
 
 /// Rays per site edge that follow the beam of each part. The noise of one is a part of the sky's.
 const RAYS: u32 = 2;

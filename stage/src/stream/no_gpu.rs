@@ -1,7 +1,10 @@
 //! In place of `on_gpu.rs` in a build without the feature `gpu`.
 
+use std::sync::Arc;
+
 use flb_render::forest::View;
 use flb_render::{Lighting, Look, Picture};
+use flb_runtime::SkyBeams;
 use flb_runtime::residency::Units;
 use flb_runtime::resident::Resident;
 use flb_runtime::scene_light::SceneLightAtSun;
@@ -21,13 +24,17 @@ impl OnGpu {
         match *self {}
     }
 
+    pub(crate) fn set_sky_beams(&mut self, _: usize, _: Arc<SkyBeams>) {
+        match *self {}
+    }
+
     pub(crate) fn trace(&mut self, _: &View) -> Result<(), StageError> {
         match *self {}
     }
 
     pub(crate) fn lit(
         &mut self,
-        _: &Resident,
+        _: (&Resident, &Units),
         _: (&Lighting, &Look),
         _: Option<&SceneLightAtSun<'_>>,
     ) -> Result<Picture, StageError> {

@@ -1,9 +1,13 @@
 //! The part of a painter that a GPU does: it follows the streamer, traces, and relights.
 
+use std::sync::Arc;
+
+use flb_format::SunBasis;
 use flb_gpu::Gpu;
 use flb_render::forest::{Forest, View};
 use flb_render::{Lighting, Look, Picture};
 use flb_render_gpu::{ForestSettings, GpuForest, StreamedLights};
+use flb_runtime::SkyBeams;
 use flb_runtime::residency::Units;
 use flb_runtime::resident::Resident;
 use flb_runtime::scene_light::SceneLightAtSun;
@@ -25,16 +29,20 @@ pub(crate) struct OnGpu {
 }
 
 impl OnGpu {
-    /// Of a streamer's units. `species` has the number in the library of each of the forest's.
+    /// Of a streamer's units. `species` has the number in the library of each of the forest's; `suns` are those of an
+    /// uneven sky, and none of an even one.
     pub(crate) fn new(
         gpu: &Gpu,
         forest: &Forest<'_>,
         units: &Units,
-        species: Vec<Option<usize>>,
+        (species, suns): (Vec<Option<usize>>, &[&SunBasis]),
         budget_bytes: u64,
     ) -> Result<OnGpu, StageError> {
         let instances = forest.placements().len();
-        let lights = StreamedLights::new(gpu, units, species, instances, budget_bytes)?;
+        let lights = match suns {
+            [] => StreamedLights::new(gpu, units, species, instances, budget_bytes)?,
+            suns => StreamedLights::for_skies(gpu, units, species, suns, instances, budget_bytes)?,
+        };
         let forest = GpuForest::with_light(gpu, forest, lights.light(), ForestSettings::default())?;
         Ok(OnGpu { forest, lights, view: None, shaded: None, name: gpu.name.clone() })
     }
@@ -42,6 +50,11 @@ impl OnGpu {
     /// Name of the GPU.
     pub(crate) fn name(&self) -> &str {
         &self.name
+    }
+
+    /// Sets what uneven skies over the plants of a species share.
+    pub(crate) fn set_sky_beams(&mut self, species: usize, beams: Arc<SkyBeams>) {
+        self.lights.set_sky_beams(species, beams);
     }
 
     /// Takes over what a frame loaded and dropped; tells whether all of it has been sent.
@@ -69,7 +82,7 @@ impl OnGpu {
     /// A picture of what was traced. The shade is that of a sun, and sent once.
     pub(crate) fn lit(
         &mut self,
-        resident: &Resident,
+        (resident, units): (&Resident, &Units),
         (lighting, look): (&Lighting, &Look),
         shade: Option<&SceneLightAtSun<'_>>,
     ) -> Result<Picture, StageError> {
@@ -79,7 +92,7 @@ impl OnGpu {
             self.forest.set_scene_light(shade)?;
             self.shaded = Some(sun);
         }
-        self.forest.relight_streamed(&mut self.lights, resident, lighting, look)?;
+        self.forest.relight_streamed(&mut self.lights, resident, units, lighting, look)?;
         Ok(self.forest.picture()?)
     }
 }

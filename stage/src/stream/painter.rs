@@ -4,6 +4,8 @@ use std::sync::Arc;
 use std::time::{Duration, Instant};
 
 use flb_format::Placement;
+#[cfg(feature = "gpu")]
+use flb_format::SunBasis;
 use flb_format::sun::towards_sun;
 #[cfg(feature = "gpu")]
 use flb_gpu::Gpu;
@@ -84,7 +86,7 @@ pub struct Painter<'s> {
     /// The same with all light there is, once it was asked for.
     whole: Option<Vec<Streamed>>,
     /// `[species of the scene]`: what the skies over its plants share, once there is enough of it.
-    beams: Vec<Option<SkyBeams>>,
+    beams: Vec<Option<Arc<SkyBeams>>>,
     /// Rays per pixel are those of a picture that has come to rest.
     look: SceneLook,
     /// Memory that the light may take, all libraries together.
@@ -147,12 +149,9 @@ impl<'s> Painter<'s> {
     ///
     /// # Errors
     /// [`StageError::Unlit`] without any light, [`StageError::Libraries`] unless all is of one library;
-    /// [`StageError::Forest`] for a scene that the GPU cannot take, or an uneven sky.
+    /// [`StageError::Forest`] for a scene that the GPU cannot take.
     #[cfg(feature = "gpu")]
     pub fn send(&mut self, gpu: &Gpu, is_needed: bool) -> Result<(), StageError> {
-        if !self.look.sky.is_even() {
-            return Err(flb_render_gpu::ForestError::UnevenSky.into());
-        }
         let [streamed] = &self.streamed[..] else {
             return Err(match self.streamed.len() {
                 0 => StageError::Unlit,
@@ -161,7 +160,11 @@ impl<'s> Painter<'s> {
         };
         let species = self.lights.iter().map(|light| light.map(|(_, species)| species)).collect();
         let units = streamed.streamer.residency().units();
-        self.on_gpu = Some(OnGpu::new(gpu, &self.forest, units, species, self.budget_bytes)?);
+        let suns: Vec<&SunBasis> = match self.look.sky.is_even() {
+            true => Vec::new(),
+            false => self.stage.plants.iter().filter_map(crate::ScenePlant::suns).collect(),
+        };
+        self.on_gpu = Some(OnGpu::new(gpu, &self.forest, units, (species, &suns), self.budget_bytes)?);
         self.needs_gpu = is_needed;
         Ok(())
     }
@@ -234,8 +237,9 @@ impl<'s> Painter<'s> {
                 let traced = start.elapsed().as_secs_f64();
                 turn(&mut self.neighbours, &lighting)?;
                 let shade = self.neighbours.as_ref().and_then(Neighbours::shade);
-                let resident = self.streamed[0].streamer.resident();
-                (on_gpu.lit(resident, (&lighting, &look), shade)?, traced)
+                let streamer = &self.streamed[0].streamer;
+                let light = (streamer.resident(), &**streamer.residency().units());
+                (on_gpu.lit(light, (&lighting, &look), shade)?, traced)
             }
             _ => {
                 turn(&mut self.neighbours, &lighting)?;
@@ -358,7 +362,11 @@ impl<'s> Painter<'s> {
                 && plant.is_of_harmonics()
             {
                 let resident = self.streamed[library].streamer.resident().species(species);
-                self.beams[number] = SpeciesLight::streamed(resident).sky_beams().ok();
+                let beams = SpeciesLight::streamed(resident).sky_beams().ok().map(Arc::new);
+                if let (Some(on_gpu), Some(beams)) = (&mut self.on_gpu, &beams) {
+                    on_gpu.set_sky_beams(number, Arc::clone(beams));
+                }
+                self.beams[number] = beams;
             }
         }
     }

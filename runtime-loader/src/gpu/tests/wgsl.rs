@@ -10,7 +10,7 @@ use super::super::{atlas, atlas_wgsl, light_wgsl, light_wgsl_f16, pack};
 use crate::near_beam::CANDIDATES;
 
 use super::made::{Random, grid, made, shared};
-use super::{near, probe};
+use super::{near, probe, sky};
 
 /// What every device of WebGPU can do, without a feature that is asked for.
 const WEBGPU: Capabilities = Capabilities::SHADER_FLOAT16_IN_FLOAT32;
@@ -32,6 +32,7 @@ fn sources() -> Vec<(&'static str, String)> {
         ("samples", light_wgsl(1) + probe::SAMPLES),
         ("texels", light_wgsl(1) + probe::TEXELS),
         ("near", light_wgsl(1) + &near::near()),
+        ("sky", light_wgsl(1) + &sky::sky()),
         ("fill", light_wgsl(1) + atlas::FILL),
         ("atlas", atlas_wgsl(3, 2)),
     ]
@@ -89,7 +90,7 @@ fn structs_are_laid_out_as_rust_writes_them() {
     let shared = shared(random, 16, true, false);
     let base = made(random, &shared, 3, 1).base;
 
-    let places = SpeciesPlaces { map: 5, extinction: 6, single: true };
+    let places = SpeciesPlaces { map: 5, extinction: 6, single: true, sky: [7, 4] };
     let species = layout::species_fields(&grid(16), &shared, places).map(|(name, _)| name);
     let mut expected = at(0, [species[0]]);
     expected.extend(at(12, species[1..].iter().copied()));

@@ -24,10 +24,10 @@ use crate::light::SpeciesLight;
 use crate::near_beam::MediumSites;
 
 /// Harmonics of a beam.
-const HARMONICS: usize = count(MAX_DEGREE);
+pub(super) const HARMONICS: usize = count(MAX_DEGREE);
 
 /// What a function of direction has of each harmonic.
-type Harmonics = [f32; HARMONICS];
+pub(super) type Harmonics = [f32; HARMONICS];
 
 /// The beams of a species, for the skies over many plants.
 pub struct SkyBeams {
@@ -39,7 +39,7 @@ pub struct SkyBeams {
 
 /// What a sky gives each harmonic of the beams that come to a plant: of the even sky and of each band, the light and
 /// the light times its direction.
-pub(super) struct SkyFactors([[Harmonics; 4]; 1 + BANDS]);
+pub(super) struct SkyFactors(pub(super) [[Harmonics; 4]; 1 + BANDS]);
 
 impl SkyBeams {
     pub(in crate::light) fn new(light: &SpeciesLight) -> Result<SkyBeams, RuntimeError> {
@@ -97,6 +97,24 @@ impl SkyBeams {
     /// Memory that it takes.
     pub fn size_bytes(&self) -> usize {
         self.means.iter().map(|mean| size_of_val(&mean[..])).sum()
+    }
+
+    /// The medium that the beams go through.
+    #[cfg(feature = "gpu")]
+    pub(crate) fn medium(&self) -> &MediumSites {
+        &self.medium
+    }
+
+    /// Of the beam and of the near means, `[mean][place]`.
+    #[cfg(feature = "gpu")]
+    pub(crate) fn means(&self) -> &[Vec<Harmonics>] {
+        &self.means
+    }
+
+    /// Whether the near beam needs light scattered once.
+    #[cfg(feature = "gpu")]
+    pub(crate) fn needs_single(&self) -> bool {
+        self.suns.needs_single()
     }
 
     /// What a sky of such fluence brings to a point; `None` where no matter is near.
