@@ -150,6 +150,9 @@ def check_metadata(meta):
         need(len(mean["sky"]) in (0, bands), 5003, "metadata.mean_light.sky: bands")
         need(len(mean["sun"]) in (0, 1, 4, 9, 16), 5003, "metadata.mean_light.sun: harmonics")
         need(all(len(row) == bands for row in mean["sun"]), 5003, "metadata.mean_light.sun: bands")
+    if "sky_averages" in meta:
+        conform(meta["sky_averages"], [MEAN], "metadata.sky_averages")
+        need(len(meta["sky_averages"]) == len(bands_of(meta)), 5003, "metadata.sky_averages: bands")
     if "left_out" in meta:
         conform(meta["left_out"], LEFT_OUT, "metadata.left_out")
         bands, bases, _ = meta["left_out"].values()  # in canonical order

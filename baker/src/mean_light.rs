@@ -1,7 +1,7 @@
 //! The mean light of a plant over its matter, of fields as they will be coded.
 
 use flb_format::sun::harmonics;
-use flb_format::{Field, MeanLight, SunBasis};
+use flb_format::{Field, MeanLight, SpeciesMeta, SunBasis, mean_light};
 use flb_transport::cholesky;
 
 /// Highest degree for light of single suns, which are few.
@@ -11,11 +11,14 @@ const SUNS_A_HARMONIC: usize = 2;
 /// Added to the squares of harmonics, so that suns of one half of the sky do not leave the other half open.
 const RIDGE: f64 = 1e-3;
 
+/// Sites along a block's edge.
+const BLOCK_EDGE: usize = 4;
+
 const MAX_HARMONICS: usize = harmonics::count(harmonics::MAX_DEGREE);
 
 /// Means of fields over matter: sites, and how much each counts. `near` is the projection of each mean of the near beam
 /// on each harmonic, `[harmonic][mean][place]`, of fields of harmonics.
-pub(crate) fn mean_light(
+fn mean_light(
     fields: &[(u8, Field)],
     suns: &SunBasis,
     matter: &[(u32, f64)],
@@ -56,6 +59,39 @@ pub(crate) fn mean_light(
     MeanLight { sky, sun }.rounded()
 }
 
+/// Means of a species: of its light, and of its sky where there are averages alone.
+pub(crate) fn set_means(
+    meta: &mut SpeciesMeta,
+    fields: &[(u8, Field)],
+    suns: &SunBasis,
+    matter: &[(u32, f64)],
+    near: &[Vec<Vec<f32>>],
+) {
+    meta.mean_light = Some(mean_light(fields, suns, matter, near));
+    let sky = fields.iter().find(|(item, _)| *item == 0);
+    meta.sky_averages = sky.map(|(_, field)| mean_of_averages(field, matter));
+}
+
+/// Mean light of a field over matter by band, where each block of 4^3 sites is its average: what a reader has before
+/// detail. Dense sites are darker than the rest of their blocks.
+fn mean_of_averages(field: &Field, matter: &[(u32, f64)]) -> Vec<f64> {
+    let edge = field.lattice as usize / BLOCK_EDGE;
+    let block_of = |site: usize| {
+        let n = field.lattice as usize;
+        let [x, y, z] = [site % n, site / n % n, site / (n * n)].map(|c| c / BLOCK_EDGE);
+        (z * edge + y) * edge + x
+    };
+    let mut weights = vec![0.0; edge * edge * edge];
+    matter.iter().for_each(|(site, weight)| weights[block_of(*site as usize)] += weight);
+    let all: f64 = weights.iter().sum();
+    let of_band = |band: u32| {
+        let of_site = |(site, value): (usize, &f32)| weights[block_of(site)] * f64::from(*value);
+        let sum: f64 = field.band(band).iter().enumerate().map(of_site).sum();
+        if all > 0.0 { sum / (all * BLOCK_EDGE.pow(3) as f64) } else { 0.0 }
+    };
+    (0..field.bands).map(of_band).map(mean_light::rounded).collect()
+}
+
 /// Harmonics of the light of single suns by least squares, `[harmonic][band]`, as many as the suns tell.
 fn fit(suns: &[([f64; 3], Vec<f64>)]) -> Vec<Vec<f64>> {
     let Some((_, first)) = suns.first() else { return Vec::new() };
@@ -82,6 +118,24 @@ fn fit(suns: &[([f64; 3], Vec<f64>)]) -> Vec<Vec<f64>> {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn a_block_counts_as_its_average_by_the_matter_that_it_holds() {
+        let mut field = Field::zeros(16, 1);
+        let at = |x: usize, y: usize, z: usize| (z * 16 + y) * 16 + x;
+        // The dark site of the first block holds all of its matter; the second block is even.
+        let first = (0..4).flat_map(|z| (0..4).flat_map(move |y| (0..4).map(move |x| at(x, y, z))));
+        first.for_each(|site| field.values[site] = 2.0);
+        field.values[at(1, 2, 3)] = 0.0;
+        for site in (0..4).flat_map(|z| (0..4).flat_map(move |y| (12..16).map(move |x| at(x, y, z)))) {
+            field.values[site] = 1.0;
+        }
+        let matter = [(at(1, 2, 3) as u32, 3.0), (at(13, 0, 0) as u32, 1.0)];
+        let expected = (3.0 * 2.0 * 63.0 / 64.0 + 1.0) / 4.0;
+        assert!((mean_of_averages(&field, &matter)[0] - expected).abs() < 1e-4);
+        assert_eq!(mean_of_averages(&field, &[]), [0.0]);
+        assert_eq!(mean_light(&[(0, field)], &SunBasis::Lattice18, &matter, &[]).sky, [0.25]);
+    }
 
     #[test]
     fn light_that_is_a_sum_of_harmonics_is_found_from_the_lattice_s_suns() {

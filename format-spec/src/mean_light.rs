@@ -26,8 +26,7 @@ impl MeanLight {
 
     /// Returns the means rounded to as many digits as are worth their bytes.
     pub fn rounded(&self) -> MeanLight {
-        let round = |value: &f64| format!("{value:.*e}", DIGITS - 1).parse().unwrap_or(*value);
-        let all = |values: &Vec<f64>| values.iter().map(round).collect();
+        let all = |values: &Vec<f64>| values.iter().copied().map(rounded).collect();
         MeanLight { sky: all(&self.sky), sun: self.sun.iter().map(all).collect() }
     }
 
@@ -39,6 +38,11 @@ impl MeanLight {
             sum.max(0.0)
         }
     }
+}
+
+/// A mean rounded to as many digits as are worth their bytes.
+pub fn rounded(mean: f64) -> f64 {
+    format!("{mean:.*e}", DIGITS - 1).parse().unwrap_or(mean)
 }
 
 #[cfg(test)]

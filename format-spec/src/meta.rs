@@ -32,6 +32,9 @@ pub struct SpeciesMeta {
     pub mesh_blake3: Option<String>,
     /// The mean of its light over the plant; `None` where the file does not say.
     pub mean_light: Option<MeanLight>,
+    /// The mean of the sky's light over the plant by band, where each block is its average, as [`MeanLight::sky`] is of
+    /// all of it (SPEC.md, section 9.4); `None` where the file does not say.
+    pub sky_averages: Option<Vec<f64>>,
     /// Files that the species was made from, in the order in which they were read.
     pub sources: Vec<SourceFile>,
     /// Settings of each stage that shaped the bytes, as "stage.setting" -> value.

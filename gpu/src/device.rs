@@ -1,6 +1,6 @@
 //! An open device, and the first fault that it reported.
 
-use std::sync::{Arc, Mutex};
+use std::sync::{Arc, Mutex, PoisonError};
 
 use crate::{
     DeviceError, Found,
@@ -79,6 +79,8 @@ impl Gpu {
     /// # Errors
     /// [`DeviceError::OutOfMemory`], [`DeviceError::Failed`].
     pub fn check(&self) -> Result<(), DeviceError> {
+        // A loss is told to those that ask. What the poll itself says comes by the handlers, too.
+        let _ = self.device.poll(wgpu::PollType::Poll);
         let fault = self.fault.lock().map_or(None, |fault| fault.clone());
         match fault {
             None => Ok(()),
@@ -116,7 +118,11 @@ fn open_on(
         adapter: found.name.clone(),
         message: chain(&error),
     };
+    // One after the other: NVIDIA's driver was seen to hang where threads opened devices at once.
+    static OPENING: Mutex<()> = Mutex::new(());
+    let one_at_a_time = OPENING.lock().unwrap_or_else(PoisonError::into_inner);
     let (device, queue) = pollster::block_on(adapter.request_device(&descriptor)).map_err(refused)?;
+    drop(one_at_a_time);
     Ok(watched(found, device, queue))
 }
 

@@ -18,7 +18,7 @@ use crate::diff::values::{ValueDiff, compare_values};
 pub mod values;
 
 /// Metadata that tell how a species was made, or sum up what its bases say.
-const HISTORY: [&str; 5] = ["mean_light", "mesh_blake3", "settings", "sources", "tool"];
+const HISTORY: [&str; 6] = ["mean_light", "mesh_blake3", "settings", "sky_averages", "sources", "tool"];
 
 /// Strictness of a comparison.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
@@ -26,7 +26,7 @@ pub struct Settings {
     /// `None`: everything must be the same. `Some(t)`: a base or an array of the medium passes if its
     /// largest difference is at most `t` times the largest magnitude in A; and metadata that only tell how
     /// a species was made (`mesh_blake3`, `settings`, `sources`, `tool`) or sum up what its bases say
-    /// (`mean_light`) are listed without deciding the verdict.
+    /// (`mean_light`, `sky_averages`) are listed without deciding the verdict.
     pub tolerance: Option<f64>,
 }
 

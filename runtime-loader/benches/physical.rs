@@ -100,6 +100,7 @@ fn library(lattice: u32, single: bool) -> Library {
         triangles: TriangleCounts::default(),
         mesh_blake3: None,
         mean_light: None,
+        sky_averages: None,
         sources: Vec::new(),
         settings: Default::default(),
         tool: "bench".to_owned(),

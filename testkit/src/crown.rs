@@ -19,6 +19,7 @@ pub fn bytes(bounds_m: Bounds, medium: Medium, bases: Vec<(u8, Field)>) -> Vec<u
         triangles: TriangleCounts::default(),
         mesh_blake3: None,
         mean_light: None,
+        sky_averages: None,
         sources: Vec::new(),
         settings: Default::default(),
         tool: "flb bench".to_owned(),

@@ -43,6 +43,7 @@ pub fn plant(name: &str, suns: Option<&SunBasis>, lattice: u32, seed: u32) -> Sp
             triangles: TriangleCounts::default(),
             mesh_blake3: None,
             mean_light: None,
+            sky_averages: None,
             sources: Vec::new(),
             settings: Default::default(),
             tool: "test".to_owned(),

@@ -154,6 +154,7 @@ fn fields(name: &str, suns: Option<&SunBasis>, seed: u32, grid: Grid) -> Species
         triangles: TriangleCounts::default(),
         mesh_blake3: None,
         mean_light: None,
+        sky_averages: None,
         sources: Vec::new(),
         settings: Default::default(),
         tool: "test".to_owned(),

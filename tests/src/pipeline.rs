@@ -137,6 +137,7 @@ pub fn species_meta(name: &str, mesh: &Mesh, classes: &[MaterialClass], medium: 
         },
         mesh_blake3: mesh.digest(),
         mean_light: None,
+        sky_averages: None,
         sources: mesh.sources.clone(),
         settings: Default::default(),
         tool: "flb-tests".to_owned(),

@@ -104,6 +104,7 @@ pub(super) fn describe(plant: &Plant, voxels: &VoxelSettings, model: Model) -> S
         triangles: plant.classed.triangle_counts(),
         mesh_blake3: plant.classed.mesh.digest(),
         mean_light: None,
+        sky_averages: None,
         sources: plant.sources.clone(),
         settings: Default::default(),
         tool: concat!("flb ", env!("CARGO_PKG_VERSION")).to_owned(),

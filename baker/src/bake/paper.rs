@@ -12,7 +12,7 @@ use super::observer::{Event, SolveSummary};
 use super::store::{self, digest};
 use super::{BakeError, BakeSettings, Baked, PaperSettings, Work};
 use crate::artefact::BaseArtefact;
-use crate::mean_light::mean_light;
+use crate::mean_light::set_means;
 
 /// From a plant to its fields.
 pub(super) fn bake(
@@ -48,7 +48,7 @@ pub(super) fn bake(
     meta.record(&provenance::CONVERGED, converged);
     let weighed = |(site, density): (u32, &f32)| (*density > 0.0).then_some((site, f64::from(*density)));
     let matter: Vec<_> = (0..).zip(&medium.density).filter_map(weighed).collect();
-    meta.mean_light = Some(mean_light(&bases, &SunBasis::Lattice18, &matter, &[]));
+    set_means(&mut meta, &bases, &SunBasis::Lattice18, &matter, &[]);
     let solves =
         [paper_solves(solve.bases) * optics.bands.len() as u32, paper_solves(BaseSet::ALL) * bands as u32];
     let fields = SpeciesFields { meta, medium, turbid: None, bases };

@@ -18,7 +18,7 @@ use super::settings::unsolved_light;
 use super::store::{self, Store, digest, fits};
 use super::{BakeError, BakeSettings, Baked, Cloud, PhysicalSettings, Work};
 use crate::crown::{Crown, CrownSettings, Recollision, measure_crown};
-use crate::mean_light::mean_light;
+use crate::mean_light::set_means;
 use crate::mixture::{self, MixedBand, mix};
 use crate::solids::Solids;
 
@@ -94,7 +94,7 @@ pub(super) fn bake(
     }
     let weighed = |site: u32| (site, f64::from(crown.turbid.extinction(site as usize)));
     let matter: Vec<_> = crown.turbid.sites().into_iter().map(weighed).collect();
-    meta.mean_light = Some(mean_light(&solution.fields, &solve.suns, &matter, &solution.total.near));
+    set_means(&mut meta, &solution.fields, &solve.suns, &matter, &solution.total.near);
     let error = LightError { monte_carlo, ..light::error_of(&solution) };
     let converged = light::converged(&solution);
     let light = Light { leaf_angles: crown.turbid.angles.clone(), error, ..unsolved_light(&solve) };

@@ -39,6 +39,7 @@ pub fn entry(
         triangles: TriangleCounts::default(),
         mesh_blake3: None,
         mean_light: None,
+        sky_averages: None,
         sources: Vec::new(),
         settings: settings.into_iter().chain([role.setting()]).collect(),
         left_out: None,

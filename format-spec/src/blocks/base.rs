@@ -305,6 +305,11 @@ impl CodedBase {
         self.detailed_count == self.detailed.len()
     }
 
+    /// Share of the stored blocks whose detail was added.
+    pub fn detail_share(&self) -> f32 {
+        self.detailed_count as f32 / self.detailed.len() as f32
+    }
+
     /// Texels of a component of a stored block, exact; those of its average where its detail was not added.
     ///
     /// # Panics

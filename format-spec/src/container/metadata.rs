@@ -154,6 +154,10 @@ pub fn check(meta: &SpeciesMeta) -> Result<(), MetaFault> {
         check_digest("sources.blake3", &source.blake3)?;
     }
     meta.mean_light.as_ref().map_or(Ok(()), |mean| check_mean_light(mean, meta.band_count()))?;
+    if let Some(averages) = meta.sky_averages.as_ref().filter(|all| all.len() != meta.band_count()) {
+        let found = format!("{} numbers", averages.len());
+        return Err(MetaFault { field: "sky_averages".to_owned(), found, expected: "one for each band" });
+    }
     meta.mesh_blake3.as_deref().map_or(Ok(()), |digest| check_digest("mesh_blake3", digest))
 }
 

@@ -13,6 +13,7 @@ fn meta(value: Option<Value>) -> SpeciesMeta {
         triangles: TriangleCounts::default(),
         mesh_blake3: None,
         mean_light: None,
+        sky_averages: None,
         sources: vec![],
         settings: value.into_iter().map(|value| (MATERIALS.to_owned(), value)).collect(),
         left_out: None,

@@ -26,6 +26,8 @@ pub(super) struct PlainMeta {
     mesh_blake3: Option<String>,
     #[serde(default, skip_serializing_if = "Option::is_none", deserialize_with = "present")]
     mean_light: Option<MeanLight>,
+    #[serde(default, skip_serializing_if = "Option::is_none", deserialize_with = "present")]
+    sky_averages: Option<Vec<f64>>,
     sources: Vec<SourceFile>,
     settings: BTreeMap<String, Value>,
     #[serde(default, skip_serializing_if = "Option::is_none")]
@@ -50,6 +52,7 @@ impl From<SpeciesMeta> for PlainMeta {
             triangles: meta.triangles,
             mesh_blake3: meta.mesh_blake3,
             mean_light: meta.mean_light,
+            sky_averages: meta.sky_averages,
             sources: meta.sources,
             settings: meta.settings,
             left_out: meta.left_out,
@@ -72,6 +75,7 @@ impl TryFrom<PlainMeta> for SpeciesMeta {
             triangles: plain.triangles,
             mesh_blake3: plain.mesh_blake3,
             mean_light: plain.mean_light,
+            sky_averages: plain.sky_averages,
             sources: plain.sources,
             settings: plain.settings,
             left_out: plain.left_out,

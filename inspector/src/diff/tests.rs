@@ -33,6 +33,7 @@ fn species(name: &str) -> SpeciesFields {
             triangles: TriangleCounts { total: 3, leaf: 2, wood: 1 },
             mesh_blake3: None,
             mean_light: None,
+            sky_averages: None,
             sources: vec![SourceFile { name: "oak.glb".to_owned(), blake3: "0".repeat(64) }],
             settings: [("voxelise.voxels".to_owned(), json!(1024))].into(),
             tool: "flb 0.1.0".to_owned(),

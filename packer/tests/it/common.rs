@@ -66,6 +66,7 @@ pub(crate) fn species_at(lattice: u32, name: &str, bands: u32, bases: &[u8]) -> 
         triangles: TriangleCounts { total: 12, leaf: 8, wood: 4 },
         mesh_blake3: None,
         mean_light: None,
+        sky_averages: None,
         sources: vec![SourceFile { name: format!("{name}.glb"), blake3: "0123456789abcdef".repeat(4) }],
         settings: BTreeMap::from([("solve.tolerance".to_owned(), serde_json::json!(1e-7))]),
         tool: "flb golden".to_owned(),

@@ -28,6 +28,7 @@ fn fields(name: &str) -> SpeciesFields {
         triangles: TriangleCounts::default(),
         mesh_blake3: None,
         mean_light: None,
+        sky_averages: None,
         sources: Vec::new(),
         settings: BTreeMap::new(),
         tool: "test".to_owned(),

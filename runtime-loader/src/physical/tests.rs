@@ -65,6 +65,7 @@ fn fields(suns: &SunBasis) -> SpeciesFields {
             triangles: TriangleCounts::default(),
             mesh_blake3: None,
             mean_light: None,
+            sky_averages: None,
             sources: Vec::new(),
             settings: Default::default(),
             tool: "test".to_owned(),

@@ -41,6 +41,8 @@ pub struct Terms {
     sky: Option<u8>,
     /// Factor of it under a sky of light 1.
     sky_factor: f32,
+    /// Factor of it by which averages have the mean of all of it.
+    of_averages: f32,
     /// Shares of a sun of irradiance 1 and of a sky of light 1 that the plant's mean light stands in for.
     missing: [f32; 2],
     /// What that is in the first bands, added to them.
@@ -83,6 +85,7 @@ impl Terms {
             stand_in: 0.0,
             sky: sky.map(|(place, _)| place as u8),
             sky_factor: sky.map_or(0.0, |(_, shown)| shown),
+            of_averages: 1.0,
             missing: [0.0; 2],
             constants: [[0.0; CONSTANT_BANDS]; 2],
             level: LightLevel::Whole,
@@ -97,6 +100,9 @@ impl Terms {
         }
         if strengths[1] != 0.0 {
             terms.missing[1] = 1.0 - terms.sky_factor;
+        }
+        if let Some(coded) = sky.and_then(|(place, _)| species.bases[place].as_ref()?.coded()) {
+            terms.of_averages = species.mean.of_detail(coded.detail_share());
         }
         if terms.missing != [0.0; 2] {
             terms.stand_in =
@@ -171,7 +177,7 @@ impl Terms {
         Factors {
             sun,
             near: sun * self.near_factor,
-            sky: sky * self.sky_factor + sun * self.stand_in,
+            sky: (sky * self.sky_factor + sun * self.stand_in) * self.of_averages,
             constants: [sun, sky],
         }
     }

@@ -206,6 +206,29 @@ fn what_is_missing_is_answered_by_what_is_coarser_and_never_black() {
 }
 
 #[test]
+fn averages_of_the_sky_are_brought_to_its_mean_and_detail_is_left_as_it_is() {
+    let of_sky = |keep: fn(&UnitKind) -> bool, averages: [f64; BANDS]| {
+        let mut resident = resident(keep);
+        let mut meta = LIBRARY.container().species()[1].meta.clone();
+        meta.mean_light = Some(flb_format::MeanLight { sky: vec![1.0; BANDS], sun: Vec::new() });
+        meta.sky_averages = Some(averages.to_vec());
+        resident.species[1].mean = Mean::of(&meta);
+        let terms = resident.species(1).terms([0.0, 1.0, 0.0], 0.0, 0.8);
+        let factors: Vec<f32> = terms.bases().map(|(_, factor)| factor).collect();
+        factors[0]
+    };
+    let averages = |kind: &UnitKind| !matches!(kind, UnitKind::Detail { .. });
+    let first_page = |kind: &UnitKind| !matches!(kind, UnitKind::Detail { page, .. } if *page > 0);
+    assert_eq!(of_sky(averages, [1.0, 1.25, 1.5]), 0.8 * 0.8);
+    assert_eq!(of_sky(|_| true, [1.0, 1.25, 1.5]), 0.8);
+    let part = of_sky(first_page, [1.0, 1.25, 1.5]);
+    assert!((0.64..=0.8).contains(&part), "{part}");
+    for nonsense in [[0.0; BANDS], [-1.0; BANDS], [1e300; BANDS], [1e-300; BANDS]] {
+        assert_eq!(of_sky(averages, nonsense), 0.8, "{nonsense:?}");
+    }
+}
+
+#[test]
 fn two_bases_of_three_share_the_weight_of_the_third() {
     let sun = crate::view::unit([0.3, 0.9, 0.2]).map(f64::from);
     let blend = flb_format::sun::blend(sun).expect("a direction");

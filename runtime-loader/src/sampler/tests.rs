@@ -42,6 +42,7 @@ fn fields(bands: u32, bases: &[u8]) -> SpeciesFields {
             triangles: TriangleCounts::default(),
             mesh_blake3: None,
             mean_light: None,
+            sky_averages: None,
             sources: Vec::new(),
             settings: Default::default(),
             tool: "flb 0.1.0".to_owned(),

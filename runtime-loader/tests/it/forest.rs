@@ -31,6 +31,7 @@ pub(crate) fn forest(names: &[&str], lattice: u32, seed: u32) -> Vec<u8> {
                 triangles: TriangleCounts::default(),
                 mesh_blake3: None,
                 mean_light: None,
+                sky_averages: None,
                 sources: Vec::new(),
                 settings: Default::default(),
                 tool: "flb 0.1.0".to_owned(),

@@ -56,6 +56,7 @@ fn what_a_file_records_is_how_its_mesh_is_read_again() {
         triangles: TriangleCounts { total: 0, leaf: 0, wood: 0 },
         mesh_blake3: None,
         mean_light: None,
+        sky_averages: None,
         sources: Vec::new(),
         settings: Default::default(),
         tool: "tests".to_owned(),

@@ -66,6 +66,8 @@ fn members(list: &mut List) {
     with("mean_light", words, r#"{"sky":[1,1,1],"sun":[[1,1,1],[1,1,1]]}"#);
     with("mean_light", "invalid type: string \"1\", expected f64", r#"{"sky":[1,1,"1"],"sun":[]}"#);
     with("mean_light", "mean_light is null, expected an object", "null");
+    with("sky_averages", "sky_averages is 2 numbers, expected one for each band", "[1,1]");
+    with("sky_averages", "metadata is invalid type: null, expected a sequence", "null");
     with("left_out", "left_out is null, expected an object", "null");
     with("left_out", "left_out is [], expected an object", "[]");
     with("left_out", "missing field `reason`", r#"{"bands":[],"bases":[5]}"#);

@@ -6,8 +6,9 @@ use super::super::{AtlasDecoder, GpuError, GpuLight, GpuSpeciesId, LightSettings
 use super::made::{self, Random};
 use super::probe::{self, Ask};
 
-/// Of the largest light: binary16 has 11 bits, and hardware filters with 8 bits of weight at least.
-const ROUNDING: f32 = 1.0 / 200.0;
+/// Of the largest light: hardware filters with 8 bits of weight along each axis, and binary16 has 11 bits. An H200 was
+/// off by 1 / 173.
+const ROUNDING: f32 = 1.0 / 128.0;
 
 /// Light at points of all blocks, by both ways: `flb_sample` first.
 fn both(haar: bool, full: bool, only_surfaces: bool) -> (Vec<[f32; 3]>, Vec<[f32; 3]>) {

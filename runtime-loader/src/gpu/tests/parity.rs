@@ -207,6 +207,7 @@ fn ball() -> SpeciesFields {
         triangles: TriangleCounts::default(),
         mesh_blake3: None,
         mean_light: None,
+        sky_averages: None,
         sources: Vec::new(),
         settings: Default::default(),
         tool: "flb".to_owned(),
