@@ -79,8 +79,6 @@ impl Gpu {
     /// # Errors
     /// [`DeviceError::OutOfMemory`], [`DeviceError::Failed`].
     pub fn check(&self) -> Result<(), DeviceError> {
-        // A loss is told to those that ask. What the poll itself says comes by the handlers, too.
-        let _ = self.device.poll(wgpu::PollType::Poll);
         let fault = self.fault.lock().map_or(None, |fault| fault.clone());
         match fault {
             None => Ok(()),

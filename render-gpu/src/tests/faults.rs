@@ -32,10 +32,11 @@ fn a_lost_gpu_is_an_error() {
     let is_lost = |error: ForestError| {
         assert!(matches!(error, ForestError::Device(DeviceError::Failed { .. })), "{error:?}");
     };
+    // A GPU is asked without waiting; who waits hears of the loss first.
+    is_lost(on_gpu.wait().unwrap_err());
     is_lost(on_gpu.relight(&mut lights, &Lighting::default(), &Look::default()).unwrap_err());
     is_lost(on_gpu.trace(&view).unwrap_err());
     is_lost(on_gpu.fragments().unwrap_err());
-    is_lost(on_gpu.wait().unwrap_err());
 }
 
 #[test]
