@@ -88,7 +88,7 @@ pub(crate) fn run(args: &ViewArgs) -> Result<u8, Failure> {
     for name in stage.under_even_sky().filter(|_| !is_even) {
         say!("warning: {name}: shown under an even sky: its light is of single directions of the sun");
     }
-    let painter = Painter::new(&stage, look, u64::from(args.budget) * 1_000_000)?;
+    let painter = Painter::new(&stage, look, (args.budget * 1e6) as u64)?;
     let sun_deg = sun(scene, args, needs_sun);
     let shot = Shot { eye: eye(scene, painter.bounds_m()), sun_deg, show: args.show };
     let controls = Controls::new(shot, args.exposure.unwrap_or(stage.default_exposure()));
@@ -204,7 +204,7 @@ impl Viewed {
             width: args.size[0],
             height: args.size[1],
             loaded_bytes: progress.loaded_bytes,
-            budget_bytes: u64::from(args.budget) * 1_000_000,
+            budget_bytes: (args.budget * 1e6) as u64,
             quality: progress.quality,
             is_final: progress.is_final,
             failures: progress.failures,

@@ -5,6 +5,7 @@ use std::path::PathBuf;
 use clap::Args;
 
 use super::MemoryArgs;
+use super::values::{above_0, at_least_0};
 
 #[derive(Args)]
 pub(crate) struct StreamArgs {
@@ -44,18 +45,4 @@ pub(crate) struct StreamArgs {
     /// Print as JSON (schema: cli/schema/stream.json)
     #[arg(long)]
     pub json: bool,
-}
-
-fn number(text: &str) -> Result<f64, String> {
-    let value: f64 = text.parse().map_err(|_| "expected a number".to_owned())?;
-    // No more than keeps every sum of a replay finite and exact enough.
-    if value <= 1e9 { Ok(value) } else { Err("expected at most 10^9".to_owned()) }
-}
-
-fn at_least_0(text: &str) -> Result<f64, String> {
-    number(text).and_then(|v| if v >= 0.0 { Ok(v) } else { Err("expected 0 or more".to_owned()) })
-}
-
-fn above_0(text: &str) -> Result<f64, String> {
-    number(text).and_then(|v| if v >= 1e-6 { Ok(v) } else { Err("expected more than 0".to_owned()) })
 }

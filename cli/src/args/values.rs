@@ -38,6 +38,21 @@ pub(super) fn size(text: &str) -> Result<[u32; 2], String> {
     }
 }
 
+/// A number of at most 10^9.
+fn quantity(text: &str) -> Result<f64, String> {
+    let value: f64 = text.parse().map_err(|_| "expected a number".to_owned())?;
+    // No more than keeps every sum of a replay finite and exact enough.
+    if value <= 1e9 { Ok(value) } else { Err("expected at most 10^9".to_owned()) }
+}
+
+pub(crate) fn at_least_0(text: &str) -> Result<f64, String> {
+    quantity(text).and_then(|v| if v >= 0.0 { Ok(v) } else { Err("expected 0 or more".to_owned()) })
+}
+
+pub(crate) fn above_0(text: &str) -> Result<f64, String> {
+    quantity(text).and_then(|v| if v >= 1e-6 { Ok(v) } else { Err("expected more than 0".to_owned()) })
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

@@ -5,7 +5,7 @@ use std::path::PathBuf;
 use clap::Args;
 use flb_view::Show;
 
-use super::values::{angle_pair, exposure, size};
+use super::values::{above_0, angle_pair, exposure, size};
 use super::{BandArgs, MemoryArgs, RenderBackendArg, SkyArgs};
 
 #[derive(Args)]
@@ -29,8 +29,8 @@ pub(crate) struct ViewArgs {
     #[arg(long, value_name = "N", default_value_t = 4, value_parser = clap::value_parser!(u32).range(1..=4096))]
     pub samples: u32,
     /// Memory for the light, 10^6 bytes: more of it is streamed than this never. A GPU takes 128 at most
-    #[arg(long, default_value_t = 64, value_name = "MB", value_parser = clap::value_parser!(u32).range(1..=1_000_000))]
-    pub budget: u32,
+    #[arg(long, default_value_t = 64.0, value_name = "MB", value_parser = above_0)]
+    pub budget: f64,
     /// Where pictures are painted, but for the false colours; a GPU takes scenes whose light is of one file (`flb
     /// pack`). `auto` passes over software
     #[arg(long, value_enum, default_value_t = RenderBackendArg::Auto)]
