@@ -57,7 +57,7 @@ fn fern() -> Plant {
 fn main() -> Result<(), Box<dyn Error>> {
     let settings = BakeSettings { voxels: 512, ..BakeSettings::of(Quality::Draft) };
     let baked = bake(fern(), &settings, &NoStore, &Talk)?;
-    let coded = encode_species(&baked.fields, &EncodeSettings::default(), &|_| {})?;
+    let coded = encode_species(&baked.fields, &EncodeSettings::default(), &|_| Ok(()))?;
     let mut file = Vec::new();
     write_library_to(&mut file, &[&coded])?;
     println!("{} bytes", file.len());

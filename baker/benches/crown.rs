@@ -48,7 +48,7 @@ fn main() {
     );
     for lattice in [32, 64, 128, 256] {
         let settings = VoxelSettings { voxels: 1024, lattice, ignore_alpha: false };
-        let occupancy = voxelise(&mesh, &classes, &settings, &|_| ()).expect("a good mesh");
+        let occupancy = voxelise(&mesh, &classes, &settings, &|_| Ok(())).expect("a good mesh");
         let medium = downsample(&occupancy).expect("a good occupancy");
         let errors = |turbid: &TurbidMedium| {
             let gap = rays.of_turbid(turbid);
@@ -58,7 +58,8 @@ fn main() {
         let measured = |angles| {
             let settings = CrownSettings { ignore_alpha: false, angles };
             let start = Instant::now();
-            let crown = measure_crown(&mesh, &classes, &medium, &settings, &|_| ()).expect("a good medium");
+            let crown =
+                measure_crown(&mesh, &classes, &medium, &settings, &|_| Ok(())).expect("a good medium");
             (crown, start.elapsed().as_secs_f64())
         };
         let formula = errors(&unclumped(&medium, LeafAngles::spherical()).expect("a good medium"));

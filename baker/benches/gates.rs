@@ -103,7 +103,8 @@ fn judge(name: &str, medium: &TurbidMedium, scatter: Scatter, suns: &[[f64; 3]],
     let start = Instant::now();
     let near = [false, true].map(|single| ordinates::near(medium, &sites, single));
     let trace = |sun: &[f64; 3]| {
-        Truth::trace(medium, &near, &[scatter], None, *sun, photons, &|_| {}).expect("the medium is valid")
+        Truth::trace(medium, &near, &[scatter], None, *sun, photons, &|_| Ok(()))
+            .expect("the medium is valid")
     };
     let truth: Vec<Truth> = suns.iter().map(trace).collect();
     println!("## {name}: {} sites, Monte Carlo {:.0} s", sites.len(), start.elapsed().as_secs_f64());
@@ -113,7 +114,8 @@ fn judge(name: &str, medium: &TurbidMedium, scatter: Scatter, suns: &[[f64; 3]],
         let rays = rays_for(medium.grid.lattice, settings.parts);
         let settings = OrdinatesSettings { rays, ..settings };
         let start = Instant::now();
-        let solution = ordinates::solve(medium, &[scatter], &settings, &|_| {}).expect("the medium is valid");
+        let solution =
+            ordinates::solve(medium, &[scatter], &settings, &|_| Ok(())).expect("the medium is valid");
         let seconds = start.elapsed().as_secs_f64();
         let of_sun =
             |truth: &Truth| truth.difference(&solution, &settings, 0, &sites).expect("fields are finite");
@@ -163,14 +165,14 @@ fn classes(mesh: &Mesh) -> Vec<MaterialClass> {
 fn crown(mesh: &Mesh, lattice: u32) -> TurbidMedium {
     let classes = classes(mesh);
     let voxels = VoxelSettings { voxels: 512, lattice, ignore_alpha: false };
-    let occupancy = voxelise(mesh, &classes, &voxels, &|_| {}).expect("the mesh has triangles");
+    let occupancy = voxelise(mesh, &classes, &voxels, &|_| Ok(())).expect("the mesh has triangles");
     let medium = downsample(&occupancy).expect("an occupancy downsamples");
     let crown = measure_crown(
         mesh,
         &classes,
         &medium,
         &CrownSettings { ignore_alpha: false, angles: LeafAngleChoice::Spherical },
-        &|_| {},
+        &|_| Ok(()),
     );
     crown.expect("the mesh has leaves").turbid
 }

@@ -21,7 +21,7 @@ fn gpu_and_cpu(criterion: &mut Criterion) {
         let optics = Optics::paper();
         for solver in [SolverKind::Sweep, SolverKind::Gpu] {
             let settings = SolveSettings { solver, ..SolveSettings::default() };
-            let run = || solve(&medium, &optics, &settings, &|_| {}).expect("it can be solved");
+            let run = || solve(&medium, &optics, &settings, &|_| Ok(())).expect("it can be solved");
             let ambient = run().reports[0];
             eprintln!(
                 "{solver:?} {lattice}: {} sweeps at most, expected error {:.1e}",

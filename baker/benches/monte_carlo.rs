@@ -25,7 +25,7 @@ fn main() {
             for tracking in [Tracking::Regular, Tracking::Delta] {
                 let settings = Settings { photons: 1_000_000, tracking, ..Settings::default() };
                 let start = Instant::now();
-                let light = trace(&turbid, &scatter, sun, &settings, &|_| ()).expect("a good medium");
+                let light = trace(&turbid, &scatter, sun, &settings, &|_| Ok(())).expect("a good medium");
                 let (seconds, noise) = (start.elapsed().as_secs_f64(), noise(&light));
                 println!("| {lattice} | {sites} | {albedo} | {tracking:?} | {seconds:.2} | {noise:.2} |");
             }

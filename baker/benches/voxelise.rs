@@ -97,7 +97,7 @@ fn voxelise_plants(criterion: &mut Criterion) {
     for (name, (mesh, classes)) in plants {
         let mut group = criterion.benchmark_group(format!("300,000 triangles, {name}"));
         group.sample_size(10);
-        let run = || voxelise(black_box(&mesh), &classes, &settings, &|_| ()).expect("a good mesh");
+        let run = || voxelise(black_box(&mesh), &classes, &settings, &|_| Ok(())).expect("a good mesh");
         group.bench_function("voxelise 1024", |bencher| bencher.iter(run));
         let occupancy = run();
         group.bench_function("downsample to 128", |bencher| {

@@ -63,8 +63,9 @@ fn main() -> Result<(), Box<dyn Error>> {
     };
     let light = task.toward_sun.map_or(Illumination::Sky, Illumination::Sun);
     let start = Instant::now();
-    let fluence = trace(&medium, &BandScatter { leaf: scatter, wood: scatter }, light, &settings, &|_| ())
-        .map_err(|error| format!("{path}: {error}"))?;
+    let fluence =
+        trace(&medium, &BandScatter { leaf: scatter, wood: scatter }, light, &settings, &|_| Ok(()))
+            .map_err(|error| format!("{path}: {error}"))?;
     let answer = serde_json::json!({
         "site": medium.sites(),
         "uncollided": fluence.uncollided,

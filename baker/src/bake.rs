@@ -28,9 +28,7 @@ mod store;
 #[cfg(test)]
 mod tests;
 
-use std::panic::{AssertUnwindSafe, catch_unwind, resume_unwind};
-
-use flb_format::{Field, SpeciesFields};
+use flb_format::{Field, Progress, SpeciesFields};
 use flb_scene::{Plant, Step};
 use flb_transport::ordinates::{OrdinatesSettings, OrdinatesSolution, SiteAlbedos};
 use flb_transport::turbid::BandScatter;
@@ -45,7 +43,6 @@ pub use settings::{BakeSettings, ModelSettings, PaperSettings, PhysicalSettings,
 pub use store::{NoStore, Store, digest};
 
 use job::Start;
-use observer::Stop;
 
 /// A species before coding.
 #[derive(Debug, Clone, PartialEq)]
@@ -74,8 +71,6 @@ pub struct Cloud {
 /// Bakes a plant.
 ///
 /// Takes the plant by value. Its mesh is held until the light on its surfaces is known.
-///
-/// A bake that its observer stops unwinds the stack, so it cannot be stopped in a program built with `panic = "abort"`.
 ///
 /// # Errors
 /// Settings out of range; a mesh without leaf and wood, or of no usable size; bands that the plant does not have;
@@ -112,13 +107,11 @@ pub fn bake(
 ) -> Result<Baked, BakeError> {
     let name = plant.name.clone();
     let work = Work { store, observer, species: &name };
-    until_stopped(|| {
-        let start = Start::new(plant, settings, store);
-        match &settings.model {
-            ModelSettings::Physical(physical) => physical::bake(start, settings, physical, &work),
-            ModelSettings::Paper(paper) => paper::bake(start, settings, paper, &work),
-        }
-    })
+    let start = Start::new(plant, settings, store);
+    match &settings.model {
+        ModelSettings::Physical(physical) => physical::bake(start, settings, physical, &work),
+        ModelSettings::Paper(paper) => paper::bake(start, settings, paper, &work),
+    }
 }
 
 /// The light of a medium that was made elsewhere, of a scene for one: solved, or taken from the store, which is given
@@ -135,16 +128,7 @@ pub fn solve_light(
     observer: &dyn BakeObserver,
 ) -> Result<(OrdinatesSolution, bool), BakeError> {
     let work = Work { store, observer, species: name };
-    until_stopped(|| light::solve(&work, source, bands, settings))
-}
-
-/// Turns the unwinding of a stopped bake into an error.
-fn until_stopped<T>(work: impl FnOnce() -> Result<T, BakeError>) -> Result<T, BakeError> {
-    // What is unwound through is dropped here or never seen again, so nothing half done is looked at.
-    catch_unwind(AssertUnwindSafe(work)).unwrap_or_else(|payload| match payload.downcast::<Stop>() {
-        Ok(_) => Err(BakeError::Cancelled),
-        Err(payload) => resume_unwind(payload),
-    })
+    light::solve(&work, source, bands, settings)
 }
 
 /// What every stage is given.
@@ -155,8 +139,16 @@ struct Work<'a> {
 }
 
 impl Work<'_> {
-    fn run<T>(&self, step: Step, work: impl FnOnce(&(dyn Fn(f64) + Sync)) -> T) -> T {
-        observer::run(self.observer, step, self.species, work)
+    /// Runs a step, unless the observer says stop before.
+    fn run<T>(
+        &self,
+        step: Step,
+        work: impl FnOnce(&Progress<'_>) -> Result<T, BakeError>,
+    ) -> Result<T, BakeError> {
+        match self.observer.is_cancelled() {
+            true => Err(BakeError::Cancelled),
+            false => step.run(self.observer, self.species, work),
+        }
     }
 
     fn hear(&self, event: Event) {

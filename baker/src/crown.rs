@@ -43,8 +43,8 @@ pub use gap::{AxisGap, Gap, GapRays, OUTLINE_LATTICE};
 pub use recollision::{Received, Recollision};
 pub use seen_sky::SeenSky;
 
-use flb_format::Medium;
 use flb_format::medium::rounded;
+use flb_format::{Medium, Progress};
 
 use directions::measured_axes;
 use facets::Facets;
@@ -110,13 +110,13 @@ pub fn unclumped(medium: &Medium, angles: LeafAngles) -> Result<TurbidMedium, Cr
 ///
 /// # Errors
 /// As of [`unclumped`] and [`crate::voxelise()`]; a plant that is not inside of the medium's grid; a medium without
-/// area.
+/// area; [`CrownError::Cancelled`].
 pub fn measure_crown(
     mesh: &Mesh,
     classes: &[MaterialClass],
     medium: &Medium,
     settings: &CrownSettings,
-    progress: &(dyn Fn(f64) + Sync),
+    progress: &Progress<'_>,
 ) -> Result<Crown, CrownError> {
     let facets = Facets::new(mesh, classes, settings.ignore_alpha)?;
     let angles = settings.angles.of(&facets);
@@ -129,7 +129,7 @@ pub fn measure_crown(
     let axes = measured_axes();
     let pixel_m = pixel_m(&facets, unclumped.grid.spacing_m, medium.grid.lattice);
     let measured = |share: f64| progress(share * 0.8);
-    let light = measure::measure(&facets, &unclumped, &sites, &axes, pixel_m, &measured);
+    let light = measure::measure(&facets, &unclumped, &sites, &axes, pixel_m, &measured)?;
     let mut turbid = estimate::estimate(unclumped, &sites, &light, &axes);
     let rays = GapRays::of(facets, &axes, (mesh, classes), settings.ignore_alpha, CALIBRATION_RAYS)?;
     let (mesh_gap, depths) = (rays.of_mesh().mean(), rays.depths(&turbid));
@@ -138,7 +138,7 @@ pub fn measure_crown(
         *extinction = rounded(*extinction * factor as f32);
     }
     let seen_sky = SeenSky::of(&turbid, &sites, &light);
-    progress(1.0);
+    progress(1.0)?;
     Ok(Crown {
         turbid,
         seen_sky,

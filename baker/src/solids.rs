@@ -15,7 +15,7 @@ mod points;
 mod radiosity;
 mod ringing;
 
-use flb_format::{Field, Medium, SunBasis, TurbidMedium};
+use flb_format::{Cancelled, Field, Medium, Progress, SunBasis, TurbidMedium};
 use flb_scene::ClassedMesh;
 use flb_scene::extents::has_walls;
 use flb_scene::rays::{RayMesh, RayMeshError};
@@ -46,6 +46,18 @@ pub struct Solids<'a> {
     pub seen_sky: &'a SeenSky,
 }
 
+/// Reason why there is no light at solids.
+#[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
+pub enum SolidsError {
+    /// A mesh that no ray can be traced in.
+    #[error(transparent)]
+    Mesh(#[from] RayMeshError),
+    /// The caller stopped the work.
+    #[error(transparent)]
+    Cancelled(#[from] Cancelled),
+}
+
 /// Share of wood in what leaves see from which on walls enclose them.
 const ENCLOSED: f32 = 0.02;
 
@@ -54,12 +66,8 @@ impl Solids<'_> {
     /// hold no leaf anew. The same for any number of threads.
     ///
     /// # Errors
-    /// A mesh that no ray can be traced in.
-    pub fn light(
-        &self,
-        fields: &mut [(u8, Field)],
-        progress: &(dyn Fn(f64) + Sync),
-    ) -> Result<(), RayMeshError> {
+    /// A mesh that no ray can be traced in; [`SolidsError::Cancelled`].
+    pub fn light(&self, fields: &mut [(u8, Field)], progress: &Progress<'_>) -> Result<(), SolidsError> {
         let rays = RayMesh::new(&self.classed.mesh, self.ignore_alpha)?;
         let places = self.places();
         let points = points::on_solids(self.classed, &rays, self.turbid.grid);
@@ -71,9 +79,9 @@ impl Solids<'_> {
             .then(|| points::on_leaves(self.classed, &rays, self.turbid.grid, enclosed))
             .filter(|leaves| !leaves.points.is_empty());
         let mut gathered = match &leaves {
-            None => gather::gather(self, &rays, &places, &points, progress),
+            None => gather::gather(self, &rays, &places, &points, progress)?,
             Some(leaves) => {
-                radiosity::Surfaces::new(self, &rays, &places, [&points, leaves]).gather(progress)
+                radiosity::Surfaces::new(self, &rays, &places, [&points, leaves]).gather(progress)?
             }
         };
         let fit = fit::Fit::new(self, &places, &gathered);
@@ -93,7 +101,7 @@ impl Solids<'_> {
                 spread(fit.sites(), &values, field, band);
             }
         });
-        progress(1.0);
+        progress(1.0)?;
         Ok(())
     }
 

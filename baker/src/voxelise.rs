@@ -15,7 +15,7 @@
 //!
 //! Work is shared out by horizontal layers along z; a layer's result is written by one thread, in order.
 
-use flb_format::Grid;
+use flb_format::{Grid, Progress};
 
 use flb_scene::alpha::Coverage;
 use flb_scene::class::MaterialClass;
@@ -67,17 +67,17 @@ impl Default for VoxelSettings {
 ///
 /// # Errors
 /// Settings out of range; a class list of another length than the material list; no leaf or wood
-/// triangle; bounds without extent or not finite; broken images.
+/// triangle; bounds without extent or not finite; broken images; [`VoxelError::Cancelled`].
 pub fn voxelise(
     mesh: &Mesh,
     classes: &[MaterialClass],
     settings: &VoxelSettings,
-    progress: &(dyn Fn(f64) + Sync),
+    progress: &Progress<'_>,
 ) -> Result<Occupancy, VoxelError> {
     let scene = Scene::new(mesh, classes, settings)?;
-    let clusters = occupy::occupy(&scene, &|share| progress(share * 0.7));
-    let areas = area::measure(&scene, &|share| progress(0.7 + share * 0.3));
-    progress(1.0);
+    let clusters = occupy::occupy(&scene, &|share| progress(share * 0.7))?;
+    let areas = area::measure(&scene, &|share| progress(0.7 + share * 0.3))?;
+    progress(1.0)?;
     Ok(Occupancy::from_stages(scene.grid, settings.voxels, clusters, areas))
 }
 

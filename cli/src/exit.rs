@@ -134,6 +134,7 @@ fn pack_code(error: &PackError) -> u8 {
         PackError::SameName { .. } | PackError::Setting { .. } => USAGE,
         PackError::Limit { .. } => LIMIT,
         PackError::OfSpecies { source, .. } => pack_code(source),
+        PackError::Cancelled(_) => INTERRUPTED,
         // The rooms before made these values; a user cannot cause them.
         _ => INTERNAL,
     }
@@ -249,6 +250,7 @@ impl From<VoxelError> for Failure {
     fn from(error: VoxelError) -> Failure {
         let code = match &error {
             VoxelError::Lattice { .. } | VoxelError::Voxels { .. } => USAGE,
+            VoxelError::Cancelled(_) => INTERRUPTED,
             _ => VERDICT,
         };
         Failure::new(code, error)
@@ -302,6 +304,7 @@ impl From<MonteCarloError> for Failure {
     fn from(error: MonteCarloError) -> Failure {
         let code = match &error {
             MonteCarloError::Trapped { .. } => LIMIT,
+            MonteCarloError::Cancelled(_) => INTERRUPTED,
             // The solve before took the same medium and made the fields.
             _ => INTERNAL,
         };
@@ -338,6 +341,7 @@ impl From<RenderError> for Failure {
         let code = match &error {
             RenderError::Setting { .. } => USAGE,
             RenderError::Sheet(_) => LIMIT,
+            RenderError::Cancelled(_) => INTERRUPTED,
             RenderError::Alpha(_)
             | RenderError::NoTriangles
             | RenderError::Triangle { .. }

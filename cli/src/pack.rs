@@ -4,7 +4,7 @@ use std::path::Path;
 
 use flb_baker::plan::Plan;
 use flb_format::container::Species;
-use flb_format::{BaseSet, Codec};
+use flb_format::{BaseSet, Codec, Progress};
 use flb_packer::leave_out::{keep_bases, keep_coded_bases};
 use flb_packer::{Copier, EncodeSettings, EncodedSpecies, encode_species, load_species, write_library};
 use flb_scene::Step;
@@ -88,8 +88,7 @@ pub(crate) fn run(args: &PackArgs) -> Result<u8, Failure> {
                     if let Some((keep, plan)) = keep.zip(plan) {
                         keep_bases(&mut fields, keep, &plan.reason);
                     }
-                    let encode =
-                        |progress: &(dyn Fn(f64) + Sync)| encode_species(&fields, settings, progress);
+                    let encode = |progress: &Progress<'_>| encode_species(&fields, settings, progress);
                     (
                         stages.run(Step::Encode, name, encode).map_err(at_input)?,
                         fields.medium.nonempty_sites(),

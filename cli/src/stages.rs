@@ -5,6 +5,7 @@ use std::thread;
 use std::time::{Duration, Instant};
 
 use flb_baker::bake::{BakeObserver, Event, SolveSummary};
+use flb_format::Progress;
 use flb_scene::{Observer, Step};
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 use serde::Serialize;
@@ -93,12 +94,7 @@ impl Stages {
     }
 
     /// Runs `work` as a step; `subject` is shown beside the bar. `work` reports 0..=1.
-    pub(crate) fn run<T>(
-        &self,
-        step: Step,
-        subject: &str,
-        work: impl FnOnce(&(dyn Fn(f64) + Sync)) -> T,
-    ) -> T {
+    pub(crate) fn run<T>(&self, step: Step, subject: &str, work: impl FnOnce(&Progress<'_>) -> T) -> T {
         step.run(self, subject, work)
     }
 

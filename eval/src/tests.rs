@@ -43,7 +43,7 @@ fn coded_light_is_judged_with_the_surfaces_that_its_file_states() {
     assert!(!plant.classed.mesh.set_surfaces(Vec::new()));
     let baked = bake(plant, &quick(), &NoStore, &Unobserved).expect("a good plant");
     let coding = EncodeSettings::of(Quality::Draft, flb_format::Codec::Classed);
-    let mut coded = encode_species(&baked.fields, &coding, &|_| {}).expect("good fields");
+    let mut coded = encode_species(&baked.fields, &coding, &|_| Ok(())).expect("good fields");
     let settings = JudgeSettings { suns: 1, points: 60, samples: 16 };
     // A mesh that was read without those surfaces.
     let error = judge_coded(&mut coded, plain.clone(), &coding, settings, &Unobserved).expect("good light");

@@ -9,8 +9,8 @@ use flb_format::payload::{BlockPage, SPARSE_GROUP, SparseValue};
 use flb_format::provenance;
 use flb_format::records::*;
 use flb_format::{
-    Field, MESH_ERROR, Medium, MeshError, Place, Quality, SpeciesFields, SpeciesMeta, SunBasis, TurbidMedium,
-    block,
+    Field, MESH_ERROR, Medium, MeshError, Place, Progress, Quality, SpeciesFields, SpeciesMeta, SunBasis,
+    TurbidMedium, block,
 };
 use rayon::prelude::*;
 use std::sync::Arc;
@@ -186,11 +186,12 @@ pub struct EncodedPage {
 ///
 /// # Errors
 /// Settings outside the format's limits; fields or medium that do not fit the metadata; values that the
-/// format or the codec refuses (NaN, infinite, negative density; above 65504 in `raw-f16`).
+/// format or the codec refuses (NaN, infinite, negative density; above 65504 in `raw-f16`);
+/// [`PackError::Cancelled`].
 pub fn encode_species(
     fields: &SpeciesFields,
     settings: &EncodeSettings,
-    progress: &(dyn Fn(f64) + Sync),
+    progress: &Progress<'_>,
 ) -> Result<EncodedSpecies, PackError> {
     check_settings(settings)?;
     let bases = check::fields(fields, settings.codec)?;
@@ -203,7 +204,7 @@ pub fn encode_species(
         } else {
             let unit = unit_of_light(fields, &points);
             let done = AtomicUsize::new(0);
-            let coded: Vec<(EncodedSection, quality::BaseReport)> = bases
+            let coded = bases
                 .par_iter()
                 .map(|(base, field)| {
                     let threshold = if *base == 0 { settings.threshold } else { settings.threshold * unit };
@@ -211,10 +212,10 @@ pub fn encode_species(
                     let empty_value = fields.meta.model.empty_value(*base);
                     let coded = encode_base(*base, empty_value, field, &settings, &points);
                     let count = done.fetch_add(1, Ordering::Relaxed) + 1;
-                    progress(count as f64 / bases.len() as f64);
-                    coded
+                    progress(count as f64 / bases.len() as f64)?;
+                    Ok(coded)
                 })
-                .collect();
+                .collect::<Result<Vec<_>, PackError>>()?;
             let (sections, reports) = coded.into_iter().unzip();
             near_geometry::Encoded { sections, reports, missed: Vec::new() }
         };

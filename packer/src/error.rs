@@ -1,7 +1,7 @@
 //! Everything that can keep a file from being packed.
 
 use flb_files::FileError;
-use flb_format::FormatError;
+use flb_format::{Cancelled, FormatError};
 
 /// Reason why nothing was written.
 #[derive(Debug, thiserror::Error)]
@@ -14,6 +14,9 @@ pub enum PackError {
     /// The file cannot be published.
     #[error(transparent)]
     File(#[from] FileError),
+    /// The caller stopped the work.
+    #[error(transparent)]
+    Cancelled(#[from] Cancelled),
     #[error("no species to write")]
     Empty,
     #[error(

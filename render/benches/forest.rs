@@ -63,7 +63,7 @@ fn row(meshes: &[Mesh], instances: &[Placement], search: Search) {
         let position_m = [0.0, 22.0, EDGE_M * 0.62];
         let eye = Eye { position_m, look_at_m: [0.0, 2.0, 0.0], fov_deg: 45.0 };
         let view = View { eye, width: 512, height: 512, samples, sky_rays: 0 };
-        let (trace, fragments) = shortest(|| forest.trace(&view, &|_| ()).expect("a sound view"));
+        let (trace, fragments) = shortest(|| forest.trace(&view, &|_| Ok(())).expect("a sound view"));
         let relight = relight(&forest, &fragments);
         println!(
             "| {} | {} | {} | {samples} | {:.2} | {:.2} | {:.2} |",
@@ -81,7 +81,7 @@ fn relight(forest: &Forest, fragments: &Fragments) -> Duration {
     let daylight = Lighting::towards(towards_sun(135.0, 35.0));
     let light = |_: flb_render::LightQuery, phi: &mut [f32; 3]| *phi = [0.3; 3];
     shortest(|| {
-        forest.relight(fragments, &daylight, &Look::default(), &light, &|_| ()).expect("a finite light")
+        forest.relight(fragments, &daylight, &Look::default(), &light, &|_| Ok(())).expect("a finite light")
     })
     .0
 }

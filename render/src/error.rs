@@ -1,5 +1,6 @@
 //! Why a picture could not be made.
 
+use flb_format::Cancelled;
 use flb_scene::rays::RayMeshError;
 use thiserror::Error;
 
@@ -90,6 +91,9 @@ pub enum RenderError {
     /// The EXR encoder failed.
     #[error("exr: {0}")]
     Exr(#[from] exr::error::Error),
+    /// The caller stopped the work.
+    #[error(transparent)]
+    Cancelled(#[from] Cancelled),
 }
 
 impl From<RayMeshError> for RenderError {

@@ -8,6 +8,7 @@
 use std::f64::consts::PI;
 use std::sync::atomic::{AtomicUsize, Ordering};
 
+use flb_format::Progress;
 use flb_scene::sampling::cosine_hemisphere;
 use flb_scene::{MaterialClass, Mesh, SurfacePoint};
 use glam::Vec3;
@@ -96,7 +97,7 @@ pub fn irradiance(
     points: &[SurfacePoint],
     suns: &[[f64; 3]],
     samples: u32,
-    progress: &(dyn Fn(f64) + Sync),
+    progress: &Progress<'_>,
 ) -> Result<Vec<PointIrradiance>, RenderError> {
     surfaces.check()?;
     if samples < 2 {
@@ -113,13 +114,13 @@ pub fn irradiance(
     let tracer =
         Tracer { paths: Paths { scene: &scene, finish: &finish, lift: lift(&scene) }, suns, samples };
     let done = AtomicUsize::new(0);
-    progress(0.0);
+    progress(0.0)?;
     let trace = |(number, point): (usize, &SurfacePoint)| {
         let found = tracer.point(number as u32, point);
-        progress((done.fetch_add(1, Ordering::Relaxed) + 1) as f64 / points.len() as f64);
-        found
+        progress((done.fetch_add(1, Ordering::Relaxed) + 1) as f64 / points.len() as f64)?;
+        Ok(found)
     };
-    Ok(points.par_iter().enumerate().map(trace).collect())
+    points.par_iter().enumerate().map(trace).collect()
 }
 
 fn sunlight(towards: [f64; 3]) -> Result<Sunlight, RenderError> {

@@ -1,7 +1,7 @@
 //! A picture of a plant alone: a forest of one, before a camera that frames it.
 
 use flb_format::sun::towards_sun;
-use flb_format::{Placement, Transform};
+use flb_format::{Placement, Progress, Transform};
 use glam::DVec3;
 
 use crate::forest::{Eye, Forest, Ground, Land, Search, Species, View};
@@ -65,7 +65,7 @@ pub fn render_plant(
     lighting: &Lighting,
     look: &Look,
     light: &LightFn<'_>,
-    progress: &(dyn Fn(f64) + Sync),
+    progress: &Progress<'_>,
 ) -> Result<Picture, RenderError> {
     let (forest, view) = portrait.prepare(plant, lighting, look)?;
     forest.render(&view, lighting, look, light, progress)

@@ -9,6 +9,7 @@
 //! ground sends the plant no light, as in the lattice, which has no ground. Small bright parts of a sky are
 //! looked for by rays of their own (`skylight.rs`).
 
+use flb_format::Progress;
 use glam::Vec3;
 
 use crate::{
@@ -61,7 +62,7 @@ pub fn render_reference(
     portrait: &Portrait,
     lighting: &Lighting,
     look: &Look,
-    progress: &(dyn Fn(f64) + Sync),
+    progress: &Progress<'_>,
 ) -> Result<Reference, RenderError> {
     if portrait.samples < 2 {
         return Err(RenderError::Setting {
@@ -95,7 +96,7 @@ pub fn render_reference(
     };
     let pixels = squares::pixels(&view, progress, |_, area| {
         area.pixels().map(|(x, y)| tracer.pixel(x, y, view.samples)).collect()
-    });
+    })?;
     let (colors, errors): (Vec<[f32; 3]>, Vec<[f32; 3]>) = pixels.into_iter().unzip();
     Ok(Reference { picture: picture(&view, colors)?, standard_error: errors.into_flattened() })
 }

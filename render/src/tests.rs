@@ -146,7 +146,7 @@ pub(crate) fn render(
 ) -> Result<Picture, RenderError> {
     let plant = Species { mesh, classes, shading: setup.shading };
     let light = |query: LightQuery, phi: &mut [f32; 3]| light(query.point, phi);
-    render_plant(&plant, &setup.portrait(), &setup.lighting(), &setup.look(), &light, &|_| ())
+    render_plant(&plant, &setup.portrait(), &setup.lighting(), &setup.look(), &light, &|_| Ok(()))
 }
 
 /// The same by paths.
@@ -156,7 +156,7 @@ pub(crate) fn reference(
     setup: &Setup,
 ) -> Result<Reference, RenderError> {
     let plant = Species { mesh, classes, shading: setup.shading };
-    render_reference(&plant, &setup.portrait(), &setup.lighting(), &setup.look(), &|_| ())
+    render_reference(&plant, &setup.portrait(), &setup.lighting(), &setup.look(), &|_| Ok(()))
 }
 
 pub(crate) fn plain() -> Setup {

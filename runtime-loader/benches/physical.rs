@@ -110,7 +110,7 @@ fn library(lattice: u32, single: bool) -> Library {
     let bases = suns.item_numbers().map(field).collect();
     let fields = SpeciesFields { meta, medium, turbid: Some(turbid), bases };
     let settings = EncodeSettings { threshold: 0.001, ..EncodeSettings::papers() };
-    let encoded = encode_species(&fields, &settings, &|_| {}).expect("the fields fit");
+    let encoded = encode_species(&fields, &settings, &|_| Ok(())).expect("the fields fit");
     let mut bytes = Vec::new();
     write_library_to(&mut bytes, &[&encoded]).expect("it fits");
     Library::from_source("oak.flb", Box::new(bytes)).expect("it opens")

@@ -127,7 +127,7 @@ fn opening() {
             })
             .collect();
         let settings = flb_packer::EncodeSettings { codec: Codec::RawF32, ..Default::default() };
-        let coded = encode_species(&plant, &settings, &|_| {}).expect("it encodes");
+        let coded = encode_species(&plant, &settings, &|_| Ok(())).expect("it encodes");
         drop(plant);
         let path = std::env::temp_dir().join(format!("flb-bench-open-{lattice}.flb"));
         let mut file = std::io::BufWriter::new(std::fs::File::create(&path).expect("a temporary file"));

@@ -1,5 +1,7 @@
 //! Progress of long work: which step runs, how far it is, what a user should know; and a way to stop it.
 
+use flb_format::{Cancelled, Progress};
+
 /// Step of a bake, of frames or of a judgement.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 #[non_exhaustive]
@@ -73,13 +75,13 @@ impl Step {
         }
     }
 
-    /// Does the work of this step, with a closure that tells the share that is done, 0..=1. The observer is told the
-    /// end however it comes.
+    /// Does the work of this step. The [`Progress`] that it gets asks the observer whether to stop, and tells the share
+    /// that is done. The observer is told the end however it comes.
     pub fn run<T, O: Observer + ?Sized>(
         self,
         observer: &O,
         subject: &str,
-        work: impl FnOnce(&(dyn Fn(f64) + Sync)) -> T,
+        work: impl FnOnce(&Progress<'_>) -> T,
     ) -> T {
         struct Running<'a, O: Observer + ?Sized>(&'a O, Step);
         impl<O: Observer + ?Sized> Drop for Running<'_, O> {
@@ -89,11 +91,17 @@ impl Step {
         }
         observer.begin(self, subject);
         let _running = Running(observer, self);
-        work(&|share: f64| observer.progress(share))
+        work(&|share| {
+            if observer.is_cancelled() {
+                return Err(Cancelled);
+            }
+            observer.progress(share);
+            Ok(())
+        })
     }
 }
 
-/// Follower of long work, who may stop a bake. Every method may do nothing.
+/// Follower of long work, who may stop it. Every method may do nothing.
 pub trait Observer: Sync {
     /// Called when a step begins. `subject` is a species, a sun, a GPU, a lattice or nothing.
     fn begin(&self, step: Step, subject: &str) {
@@ -115,7 +123,8 @@ pub trait Observer: Sync {
         let _ = text;
     }
 
-    /// Returns whether to stop. A bake asks when a step begins or goes on, from any thread; other work does not ask.
+    /// Returns whether to stop. A step asks as it goes on, from any thread, and one of a bake when it begins, too; it
+    /// then ends with [`Cancelled`] in its error. A step that tells no progress does not ask.
     fn is_cancelled(&self) -> bool {
         false
     }

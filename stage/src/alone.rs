@@ -3,8 +3,8 @@
 //! What is asked of one plant is asked many times, so that what a forest has no time for pays here: the near beam of a
 //! sun is found at all sites at once, and an uneven sky is taken with its finest detail.
 
-use flb_format::Transform;
 use flb_format::sun::towards_sun;
+use flb_format::{Progress, Transform};
 use flb_render::{
     LightQuery, Lighting, Look, Picture, Portrait, Shading, Species, Units, render_plant, render_reference,
 };
@@ -91,9 +91,8 @@ impl<'p> PlantRenderer<'p> {
         let lighting = self.lighting(sun_deg)?;
         let subject = subject(sun_deg);
         if self.look.is_path_traced {
-            let trace = |progress: &(dyn Fn(f64) + Sync)| {
-                render_reference(plant, portrait, &lighting, look, progress)
-            };
+            let trace =
+                |progress: &Progress<'_>| render_reference(plant, portrait, &lighting, look, progress);
             return Ok(Step::Render.run(observer, &subject, trace)?.picture);
         }
         let sky = match (&lighting.dome, &self.light) {
@@ -116,9 +115,8 @@ impl<'p> PlantRenderer<'p> {
         let light = |LightQuery { point, facing, .. }: LightQuery, phi: &mut [f32; 3]| {
             cursors.at_facing(0, point, facing, phi);
         };
-        let render = |progress: &(dyn Fn(f64) + Sync)| {
-            render_plant(plant, portrait, &lighting, look, &light, progress)
-        };
+        let render =
+            |progress: &Progress<'_>| render_plant(plant, portrait, &lighting, look, &light, progress);
         Ok(Step::Render.run(observer, &subject, render)?)
     }
 

@@ -3,6 +3,7 @@
 use std::collections::BTreeSet;
 use std::sync::Arc;
 
+use flb_format::Progress;
 use flb_gpu::Gpu;
 use flb_render::forest::{Forest, View};
 use flb_render::{Lighting, Picture};
@@ -83,10 +84,10 @@ impl Fleet {
         let mut members = Vec::new();
         for gpu in &gpus {
             let plants = forest.placements().len();
-            let load = |_: &(dyn Fn(f64) + Sync)| LightSet::load_for_skies(gpu, &sources, &beams, plants);
+            let load = |_: &Progress<'_>| LightSet::load_for_skies(gpu, &sources, &beams, plants);
             let lights = Step::Load.run(observer, &gpu.name, load)?;
             let settings = ForestSettings::default();
-            let send = |_: &(dyn Fn(f64) + Sync)| GpuForest::new(gpu, forest, &lights, settings);
+            let send = |_: &Progress<'_>| GpuForest::new(gpu, forest, &lights, settings);
             let sent = Step::Prepare.run(observer, &gpu.name, send)?;
             members.push((sent, lights));
         }
@@ -127,7 +128,7 @@ impl Fleet {
             self.fleet.set_scene_light(shade)?;
             self.shaded = Some(sun);
         }
-        let relight = |_: &(dyn Fn(f64) + Sync)| self.fleet.relight(lighting, &look.look);
+        let relight = |_: &Progress<'_>| self.fleet.relight(lighting, &look.look);
         let picture = Step::Relight.run(observer, subject, relight)?;
         for (_, error) in self.fleet.lost().filter(|(number, _)| self.told.insert(*number)) {
             observer.note(&format!("warning: {error}: the other GPUs do its part"));

@@ -2,6 +2,7 @@
 
 use std::sync::Arc;
 
+use flb_format::Progress;
 use flb_render::forest::{Forest, Fragments, Search, View};
 use flb_render::{LightQuery, Picture};
 use flb_runtime::{LightCursors, SkyBeams, SpeciesLight};
@@ -116,9 +117,8 @@ impl<'s> SceneRenderer<'s> {
         let light = |LightQuery { instance, point, facing }: LightQuery, phi: &mut [f32; 3]| {
             cursors.at_facing(instance as usize, point, facing, phi);
         };
-        let relight = |progress: &(dyn Fn(f64) + Sync)| {
-            forest.relight(fragments, &lighting, &self.look.look, &light, progress)
-        };
+        let relight =
+            |progress: &Progress<'_>| forest.relight(fragments, &lighting, &self.look.look, &light, progress);
         Ok(Step::Relight.run(observer, &subject, relight)?)
     }
 

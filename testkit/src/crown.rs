@@ -28,7 +28,7 @@ pub fn bytes(bounds_m: Bounds, medium: Medium, bases: Vec<(u8, Field)>) -> Vec<u
     };
     let fields = SpeciesFields { meta, medium, turbid: None, bases };
     let settings = EncodeSettings { codec: Codec::Classed, ..EncodeSettings::papers() };
-    let coded = encode_species(&fields, &settings, &|_| {}).expect("it encodes");
+    let coded = encode_species(&fields, &settings, &|_| Ok(())).expect("it encodes");
     let mut bytes = Vec::new();
     write_library_to(&mut bytes, &[&coded]).expect("it is written to memory");
     bytes

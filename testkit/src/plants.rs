@@ -84,7 +84,7 @@ pub fn noise(at: u32, seed: u32) -> f32 {
 pub fn bytes(plants: &[SpeciesFields], codec: Codec) -> Vec<u8> {
     let coded: Vec<_> = plants
         .iter()
-        .map(|plant| encode_species(plant, &settings(codec), &|_| {}).expect("these are good fields"))
+        .map(|plant| encode_species(plant, &settings(codec), &|_| Ok(())).expect("these are good fields"))
         .collect();
     let mut bytes = Vec::new();
     write_library_to(&mut bytes, &coded.iter().collect::<Vec<_>>()).expect("memory takes it");

@@ -122,7 +122,7 @@ pub fn scene_light(species: &[&str], suns: &SunBasis) -> Library {
 
 fn library_of(all: &[SpeciesFields], codec: Codec) -> Library {
     let settings = EncodeSettings { codec, target: Target::Psnr(50.0), ..EncodeSettings::papers() };
-    let encode = |fields| encode_species(fields, &settings, &|_| {}).expect("these are good fields");
+    let encode = |fields| encode_species(fields, &settings, &|_| Ok(())).expect("these are good fields");
     let coded: Vec<_> = all.iter().map(encode).collect();
     let mut bytes = Vec::new();
     write_library_to(&mut bytes, &coded.iter().collect::<Vec<_>>()).expect("memory takes it");

@@ -44,10 +44,12 @@ fn stages(criterion: &mut Criterion) {
         group.bench_function("grow", |b| b.iter(|| grow(recipe.kind, SEED, recipe.triangles)));
         group.bench_function("import", |b| b.iter(|| import_glb("oak", &baked.glb)));
         let settings = voxel_settings(&recipe);
-        group.bench_function("voxelise", |b| b.iter(|| voxelise(&baked.mesh, &classes, &settings, &|_| {})));
+        group.bench_function("voxelise", |b| {
+            b.iter(|| voxelise(&baked.mesh, &classes, &settings, &|_| Ok(())))
+        });
         group.bench_function("downsample", |b| b.iter(|| downsample(&baked.occupancy)));
         let (optics, settings) = (Optics::paper(), SolveSettings::default());
-        group.bench_function("solve", |b| b.iter(|| solve(&baked.medium, &optics, &settings, &|_| {})));
+        group.bench_function("solve", |b| b.iter(|| solve(&baked.medium, &optics, &settings, &|_| Ok(()))));
         group.bench_function("encode", |b| {
             b.iter(|| encode(&recipe, &baked.mesh, &classes, &baked.medium, &baked.solution));
         });

@@ -75,8 +75,9 @@ impl<'a> Subject<'a> {
         let of_sky = self.light.sky(&dome.patches(), &Transform::IDENTITY).expect("the whole sphere");
         let baked = self.baked(&lighting, &look, &of_sky);
         let portrait = self.portrait(self.samples[1]);
-        let traced =
-            render_reference(&self.plant(), &portrait, &lighting, &look, &|_| ()).expect("a picture").picture;
+        let traced = render_reference(&self.plant(), &portrait, &lighting, &look, &|_| Ok(()))
+            .expect("a picture")
+            .picture;
         Frame { baked: light_of(&baked), traced: light_of(&traced) }
     }
 
@@ -122,7 +123,7 @@ impl<'a> Subject<'a> {
         let light =
             |query: LightQuery, phi: &mut [f32; 3]| cursors.at_facing(0, query.point, query.facing, phi);
         let portrait = self.portrait(self.samples[0]);
-        render_plant(&self.plant(), &portrait, lighting, look, &light, &|_| ()).expect("a picture")
+        render_plant(&self.plant(), &portrait, lighting, look, &light, &|_| Ok(())).expect("a picture")
     }
 }
 

@@ -65,7 +65,7 @@ impl DefaultBake {
         let mesh = plant.classed.clone();
         let baked = bake(plant, settings, &NoStore, &Unobserved).expect("a good plant");
         let encoded =
-            encode_species(&baked.fields, &EncodeSettings::default(), &|_| {}).expect("good fields");
+            encode_species(&baked.fields, &EncodeSettings::default(), &|_| Ok(())).expect("good fields");
         let file = write(&encoded);
         DefaultBake { mesh, baked, encoded, file }
     }

@@ -54,7 +54,7 @@ pub fn judged(plant: Plant, settings: &BakeSettings, fineness: Fineness) -> Judg
         .collect();
     let on_mesh = (&classed.mesh, &classed.classes[..]);
     let truth =
-        irradiance(on_mesh, surfaces, &points, &suns, fineness.samples, &|_| ()).expect("a good mesh");
+        irradiance(on_mesh, surfaces, &points, &suns, fineness.samples, &|_| Ok(())).expect("a good mesh");
     let found = |source: usize, point: [f32; 3], phi: &mut [f32; 3]| lit[source].at(point, phi);
     let mesh = compare(&points, &truth, &surfaces, &found);
     drop(lit);

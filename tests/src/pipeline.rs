@@ -83,10 +83,10 @@ pub fn bake(recipe: &Recipe) -> Baked {
     let classified = classify(&mesh, &ClassRules::default()).expect("the fixtures' names are known");
     let classes: Vec<MaterialClass> = classified.iter().map(|c| c.class).collect();
     let occupancy =
-        voxelise(&mesh, &classes, &voxel_settings(recipe), &|_| {}).expect("a plant has triangles");
+        voxelise(&mesh, &classes, &voxel_settings(recipe), &|_| Ok(())).expect("a plant has triangles");
     let medium = downsample(&occupancy).expect("an occupancy of voxelise downsamples");
-    let solution =
-        solve(&medium, &Optics::paper(), &SolveSettings::default(), &|_| {}).expect("the medium is valid");
+    let solution = solve(&medium, &Optics::paper(), &SolveSettings::default(), &|_| Ok(()))
+        .expect("the medium is valid");
     let encoded = encode(recipe, &mesh, &classes, &medium, &solution);
     let file = write(&encoded);
     Baked { plant, glb, mesh, classified, occupancy, medium, solution, encoded, file }
@@ -116,7 +116,7 @@ pub fn encode(
     let meta = species_meta(recipe.kind.name(), mesh, classes, medium);
     let fields = SpeciesFields { meta, medium: medium.clone(), turbid: None, bases: solution.bases.clone() };
     let settings = EncodeSettings { threshold: recipe.threshold, ..EncodeSettings::papers() };
-    encode_species(&fields, &settings, &|_| {}).expect("fields of a solve fit their medium")
+    encode_species(&fields, &settings, &|_| Ok(())).expect("fields of a solve fit their medium")
 }
 
 /// What the file says of a species with the papers' light.

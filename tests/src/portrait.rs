@@ -58,7 +58,7 @@ pub fn portrait_of(library: &Library, mesh: &Mesh, classes: &[MaterialClass], sc
     let portrait = Portrait { width: edge, height: edge, samples, has_ground: false, ..Portrait::default() };
     let lighting = Lighting::of(Daylight { towards_sun, sun: 1.0, sky: scene.ambient });
     let look = Look { indirect: scene.indirect, has_sky: false, ..Look::default() };
-    render_plant(&plant, &portrait, &lighting, &look, &light, &|_| {}).expect("a plant renders")
+    render_plant(&plant, &portrait, &lighting, &look, &light, &|_| Ok(())).expect("a plant renders")
 }
 
 /// Linear luminance (Rec. 709) per pixel.

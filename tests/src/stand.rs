@@ -153,23 +153,25 @@ impl Stand {
             Scenery::new(&plants, &self.instances, self.ground.as_ref(), lattice).expect("a good scene");
         let mut coded = Vec::new();
         let coding = EncodeSettings { codec: Codec::RawF32, ..EncodeSettings::papers() };
-        let mut code =
-            |role: Role, turbid: &TurbidMedium, is_ground: &[bool], surfaces: &BandSurfaces, surroundings| {
-                let settings = OrdinatesSettings {
-                    ordinates: Ordinates::Lebedev50,
-                    rays: ordinates::rays_for(turbid.grid.lattice, 1),
-                    suns: suns.clone(),
-                    ..OrdinatesSettings::default()
-                };
-                let solution =
-                    ordinates::solve_among(turbid, &[scatter(surfaces)], surroundings, &settings, &|_| ())
-                        .expect("a good medium");
-                let Entry { meta, medium } =
-                    entry(&role, turbid, is_ground, surfaces.clone(), light(&settings), []);
-                let fields =
-                    SpeciesFields { meta, medium, turbid: Some(turbid.clone()), bases: solution.fields };
-                coded.push(encode_species(&fields, &coding, &|_| ()).expect("fields of a solve"));
+        let mut code = |role: Role,
+                        turbid: &TurbidMedium,
+                        is_ground: &[bool],
+                        surfaces: &BandSurfaces,
+                        surroundings| {
+            let settings = OrdinatesSettings {
+                ordinates: Ordinates::Lebedev50,
+                rays: ordinates::rays_for(turbid.grid.lattice, 1),
+                suns: suns.clone(),
+                ..OrdinatesSettings::default()
             };
+            let solution =
+                ordinates::solve_among(turbid, &[scatter(surfaces)], surroundings, &settings, &|_| Ok(()))
+                    .expect("a good medium");
+            let Entry { meta, medium } =
+                entry(&role, turbid, is_ground, surfaces.clone(), light(&settings), []);
+            let fields = SpeciesFields { meta, medium, turbid: Some(turbid.clone()), bases: solution.fields };
+            coded.push(encode_species(&fields, &coding, &|_| Ok(())).expect("fields of a solve"));
+        };
         let mut factors = Vec::new();
         for (index, kind) in self.kinds.iter().enumerate() {
             let crown = scenery.alone(index).expect("a plant that is not too large");
@@ -272,7 +274,8 @@ pub fn light_at_sites(turbid: &TurbidMedium, surfaces: &BandSurfaces, sun: [f64;
         suns: SunBasis::Directions(Arc::new(tetrahedron(sun))),
         ..OrdinatesSettings::default()
     };
-    let solution = ordinates::solve(turbid, &[scatter(surfaces)], &settings, &|_| ()).expect("a good medium");
+    let solution =
+        ordinates::solve(turbid, &[scatter(surfaces)], &settings, &|_| Ok(())).expect("a good medium");
     let [sky, of_sun] = [0, 1].map(|item: usize| &solution.fields[item].1.values);
     of_sun.iter().zip(sky).map(|(sun, sky)| [*sun, *sky]).collect()
 }

@@ -286,7 +286,7 @@ fn bake(mesh: &Mesh) {
     let classes = vec![MaterialClass::Leaf; mesh.materials.len()];
     for ignore_alpha in [false, true] {
         let settings = VoxelSettings { voxels: 32, lattice: 16, ignore_alpha };
-        if let Ok(occupancy) = voxelise(mesh, &classes, &settings, &|_| ()) {
+        if let Ok(occupancy) = voxelise(mesh, &classes, &settings, &|_| Ok(())) {
             let medium = flb_baker::downsample(&occupancy).expect("an occupancy of voxelise downsamples");
             assert!(medium.density.iter().all(|density| (0.0..=1.0).contains(density)));
         }

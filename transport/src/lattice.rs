@@ -35,7 +35,7 @@ pub mod sweep;
 pub use error::{GpuError, SolveError};
 
 use flb_format::direction::MOVING;
-use flb_format::{BaseSet, Field, Medium, Optics};
+use flb_format::{BaseSet, Field, Medium, Optics, Progress};
 
 /// Method by which the steady state is reached.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
@@ -126,27 +126,27 @@ pub struct BaseReport {
 /// finite or outside 0..=1, class `Empty` where density is above 0 or the reverse, matter in the outer two
 /// layers, no bands or more than 64, optics outside the region where the operator is non-negative
 /// (lighting model, section 4), a tolerance outside (0, 1), zero sweeps, no bases; of the solver on the GPU,
-/// [`GpuError`].
+/// [`GpuError`]; [`SolveError::Cancelled`].
 pub fn solve(
     medium: &Medium,
     optics: &Optics,
     settings: &SolveSettings,
-    progress: &(dyn Fn(f64) + Sync),
+    progress: &Progress<'_>,
 ) -> Result<Solution, SolveError> {
     check::medium(medium)?;
     check::optics(optics)?;
     check::settings(settings)?;
-    progress(0.0);
+    progress(0.0)?;
     let solution = match settings.solver {
-        SolverKind::Sweep => sweep::solve(medium, optics, settings, sites::DOMAIN_SITES, progress),
-        SolverKind::Explicit => explicit::solve(medium, optics, settings, progress),
-        SolverKind::Literal => literal::solve(medium, optics, settings, progress),
+        SolverKind::Sweep => sweep::solve(medium, optics, settings, sites::DOMAIN_SITES, progress)?,
+        SolverKind::Explicit => explicit::solve(medium, optics, settings, progress)?,
+        SolverKind::Literal => literal::solve(medium, optics, settings, progress)?,
         #[cfg(feature = "gpu")]
         SolverKind::Gpu => gpu::solve(medium, optics, settings, progress)?,
         #[cfg(not(feature = "gpu"))]
         SolverKind::Gpu => return Err(GpuError::NotBuilt.into()),
     };
-    progress(1.0);
+    progress(1.0)?;
     Ok(solution)
 }
 

@@ -29,6 +29,7 @@ mod walk;
 
 use std::sync::atomic::{AtomicUsize, Ordering};
 
+use flb_format::Progress;
 use rayon::prelude::*;
 
 use crate::turbid::{BandScatter, TurbidMedium};
@@ -121,7 +122,7 @@ pub fn trace(
     scatter: &BandScatter,
     light: Illumination,
     settings: &Settings,
-    progress: &(dyn Fn(f64) + Sync),
+    progress: &Progress<'_>,
 ) -> Result<Fluence, MonteCarloError> {
     trace_with(medium, scatter, None, light, settings, progress)
 }
@@ -137,7 +138,7 @@ pub fn trace_with(
     albedos: Option<&[[f32; 2]]>,
     light: Illumination,
     settings: &Settings,
-    progress: &(dyn Fn(f64) + Sync),
+    progress: &Progress<'_>,
 ) -> Result<Fluence, MonteCarloError> {
     check::medium(medium)?;
     check::scatter(scatter)?;
@@ -166,24 +167,25 @@ impl Balance {
 }
 
 /// Runs the parts `0..parts` on all threads and merges what they return in their order. At most two results per thread
-/// wait at a time.
+/// wait at a time. The first error ends all.
 fn in_order<T: Send>(
     parts: usize,
-    progress: &(dyn Fn(f64) + Sync),
-    run: impl Fn(usize) -> T + Sync,
+    progress: &Progress<'_>,
+    run: impl Fn(usize) -> Result<T, MonteCarloError> + Sync,
     mut merge: impl FnMut(T),
-) {
+) -> Result<(), MonteCarloError> {
     let finished = AtomicUsize::new(0);
     let wave = 2 * rayon::current_num_threads();
     for start in (0..parts).step_by(wave) {
         let report = |part| {
-            let result = run(part);
-            progress((finished.fetch_add(1, Ordering::Relaxed) + 1) as f64 / parts as f64);
-            result
+            let result = run(part)?;
+            progress((finished.fetch_add(1, Ordering::Relaxed) + 1) as f64 / parts as f64)?;
+            Ok(result)
         };
-        let results: Vec<T> = (start..parts.min(start + wave)).into_par_iter().map(report).collect();
-        results.into_iter().for_each(&mut merge);
+        let results = (start..parts.min(start + wave)).into_par_iter().map(report);
+        results.collect::<Result<Vec<T>, MonteCarloError>>()?.into_iter().for_each(&mut merge);
     }
+    Ok(())
 }
 
 #[cfg(test)]

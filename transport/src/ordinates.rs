@@ -48,7 +48,7 @@ use std::borrow::Cow;
 
 use flb_format::beam::{self, BEAM_RAYS, Beam, Near, NearBeam};
 use flb_format::sun::{SunBlend, harmonics};
-use flb_format::{BaseSet, Field, turbid::TurbidMedium};
+use flb_format::{BaseSet, Field, Progress, turbid::TurbidMedium};
 use rayon::prelude::*;
 
 use crate::turbid::BandScatter;
@@ -178,12 +178,12 @@ impl Surroundings<'_> {
 ///
 /// # Errors
 /// A medium whose arrays have the wrong length, extinction that is negative or not finite, no bands or more than 64, an
-/// albedo outside 0..=1, and settings outside of their ranges: see [`OrdinatesError`].
+/// albedo outside 0..=1, and settings outside of their ranges: see [`OrdinatesError`]; [`OrdinatesError::Cancelled`].
 pub fn solve(
     medium: &TurbidMedium,
     bands: &[BandScatter],
     settings: &OrdinatesSettings,
-    progress: &(dyn Fn(f64) + Sync),
+    progress: &Progress<'_>,
 ) -> Result<OrdinatesSolution, OrdinatesError> {
     solve_among(medium, bands, &Surroundings::NONE, settings, progress)
 }
@@ -197,17 +197,17 @@ pub fn solve_among(
     bands: &[BandScatter],
     surroundings: &Surroundings,
     settings: &OrdinatesSettings,
-    progress: &(dyn Fn(f64) + Sync),
+    progress: &Progress<'_>,
 ) -> Result<OrdinatesSolution, OrdinatesError> {
     error::check(medium, bands, settings)?;
     let sites = medium.sites();
     error::check_surroundings(surroundings, sites.len(), bands.len())?;
-    progress(0.0);
+    progress(0.0)?;
     let Surroundings { below, albedos, transmitted } = *surroundings;
     let plan = suns::SolvePlan::new(settings);
     let near = near(medium, &sites, settings.suns.needs_single());
     let beams: Vec<NearBeam> = plan.suns.par_iter().map(|sun| near.beam(sun.towards, BEAM_RAYS)).collect();
-    progress(0.1);
+    progress(0.1)?;
     let refined = (settings.parts > 1).then(|| Refined::new(medium, &sites));
     let (fine, fine_sites) =
         refined.as_ref().map_or((medium, &sites), |refined| (&refined.medium, &refined.sites));
@@ -226,7 +226,7 @@ pub fn solve_among(
     };
     let sky =
         settings.sky().then(|| mean_of(march.sky::<1>(below).into_iter().map(|[fluence]| fluence).collect()));
-    progress(0.2);
+    progress(0.2)?;
 
     let items = settings.items();
     let mut fields: Vec<Field> = vec![Field::zeros(medium.grid.lattice, bands.len() as u32); items.len()];
@@ -241,7 +241,7 @@ pub fn solve_among(
     for (at, some) in bands.chunks(BANDS_AT_ONCE).enumerate() {
         let made = |share: f64| {
             let before = (at * BANDS_AT_ONCE) as f64;
-            progress(0.2 + 0.8 * (before + share * some.len() as f64) / bands.len() as f64);
+            progress(0.2 + 0.8 * (before + share * some.len() as f64) / bands.len() as f64)
         };
         let some: Vec<Band> = some
             .iter()
@@ -262,7 +262,7 @@ pub fn solve_among(
                 Band::new(fine, fine_sites, scatter, &own)
             })
             .collect();
-        let lit = scatter::scatter(&march, &some, &marched, below, settings, &made);
+        let lit = scatter::scatter(&march, &some, &marched, below, settings, &made)?;
         for (of_chunk, mut lit) in lit.into_iter().enumerate() {
             lit.light.par_iter_mut().for_each(|light| *light = mean_of(std::mem::take(light)));
             let band = (at * BANDS_AT_ONCE + of_chunk) as u32;
@@ -275,7 +275,7 @@ pub fn solve_among(
         }
     }
     total.open_sky = sky.unwrap_or_default();
-    progress(1.0);
+    progress(1.0)?;
     let fields = items.into_iter().zip(fields).collect();
     Ok(OrdinatesSolution { fields, reports, held_out: plan.held_out() as u32, total })
 }

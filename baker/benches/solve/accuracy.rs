@@ -27,7 +27,7 @@ pub(crate) fn print(lattice: u32) {
     for tolerance in TOLERANCES {
         let settings = SolveSettings { tolerance, ..SolveSettings::default() };
         let start = Instant::now();
-        let solution = solve(&medium, &optics, &settings, &|_| {}).expect("a good medium");
+        let solution = solve(&medium, &optics, &settings, &|_| Ok(())).expect("a good medium");
         let seconds = start.elapsed().as_secs_f64();
         let solved = || solution.reports.iter().filter(|report| report.base > 0);
         let [fewest, most] = [solved().map(|r| r.sweeps).min(), solved().map(|r| r.sweeps).max()]

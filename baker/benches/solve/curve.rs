@@ -39,7 +39,7 @@ fn measure(lattice: u32) -> Point {
         HEAP.reset_peak_usage();
         let held = HEAP.current_usage();
         let start = Instant::now();
-        let solution = solve(&medium, &optics, &settings, &|_| {}).expect("a good medium");
+        let solution = solve(&medium, &optics, &settings, &|_| Ok(())).expect("a good medium");
         seconds = seconds.min(start.elapsed().as_secs_f64());
         peak = HEAP.peak_usage() - held;
         sweeps = solution.reports.iter().filter(|report| report.base > 0).map(|report| report.sweeps).sum();

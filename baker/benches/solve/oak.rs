@@ -15,7 +15,7 @@ pub(crate) fn medium(lattice: u32) -> Medium {
     let classes = classify(&mesh, &ClassRules::default()).expect("materials that tell");
     let classes: Vec<_> = classes.into_iter().map(|decision| decision.class).collect();
     let settings = VoxelSettings { voxels: 1024, lattice, ignore_alpha: false };
-    downsample(&voxelise(&mesh, &classes, &settings, &|_| ()).expect("a good mesh"))
+    downsample(&voxelise(&mesh, &classes, &settings, &|_| Ok(())).expect("a good mesh"))
         .expect("a good occupancy")
 }
 

@@ -1,16 +1,16 @@
 //! Why a plant cannot be baked.
 
 use flb_format::FormatError;
+use flb_scene::rays::RayMeshError;
 use flb_transport::lattice::SolveError;
 use flb_transport::monte_carlo::MonteCarloError;
 use flb_transport::ordinates::OrdinatesError;
 
 use crate::artefact::ArtefactError;
 use crate::crown::CrownError;
-use flb_scene::rays::RayMeshError;
-
 use crate::plan::PlanError;
 use crate::scene_light::SceneLightError;
+use crate::solids::SolidsError;
 use crate::voxelise::VoxelError;
 
 /// A bake that ended without fields.
@@ -19,22 +19,22 @@ use crate::voxelise::VoxelError;
 pub enum BakeError {
     /// Mesh, classes, voxels or lattice.
     #[error(transparent)]
-    Voxels(#[from] VoxelError),
+    Voxels(VoxelError),
     /// The crown cannot be measured.
     #[error(transparent)]
-    Crown(#[from] CrownError),
+    Crown(CrownError),
     /// Surfaces or settings of the `physical` model.
     #[error(transparent)]
-    Ordinates(#[from] OrdinatesError),
+    Ordinates(OrdinatesError),
     /// Optics or settings of the `paper` model.
     #[error(transparent)]
-    Solve(#[from] SolveError),
+    Solve(SolveError),
     /// The light at solids cannot be traced.
     #[error(transparent)]
     Solids(#[from] RayMeshError),
     /// The light cannot be judged.
     #[error(transparent)]
-    MonteCarlo(#[from] MonteCarloError),
+    MonteCarlo(MonteCarloError),
     /// A band that the plant does not have.
     #[error(transparent)]
     Plan(#[from] PlanError),
@@ -60,4 +60,35 @@ pub enum BakeError {
     /// The observer said so.
     #[error("the bake was stopped")]
     Cancelled,
+}
+
+/// A stage that was stopped is a bake that was stopped, whatever the stage.
+macro_rules! from_stage {
+    ($($stage:ident as $of_bake:ident),* $(,)?) => {$(
+        impl From<$stage> for BakeError {
+            fn from(error: $stage) -> BakeError {
+                match error {
+                    $stage::Cancelled(_) => BakeError::Cancelled,
+                    error => BakeError::$of_bake(error),
+                }
+            }
+        }
+    )*};
+}
+
+from_stage! {
+    VoxelError as Voxels,
+    CrownError as Crown,
+    OrdinatesError as Ordinates,
+    SolveError as Solve,
+    MonteCarloError as MonteCarlo,
+}
+
+impl From<SolidsError> for BakeError {
+    fn from(error: SolidsError) -> BakeError {
+        match error {
+            SolidsError::Cancelled(_) => BakeError::Cancelled,
+            SolidsError::Mesh(error) => BakeError::Solids(error),
+        }
+    }
 }

@@ -30,7 +30,7 @@ pub(super) fn judge(
     }
     let sites = medium.sites();
     let photons = photons(sites.len());
-    let worst = work.run(Step::MonteCarlo, |progress| -> Result<_, BakeError> {
+    let worst = work.run(Step::MonteCarlo, |progress| {
         let near = [near(medium, &sites, settings.suns.needs_single())];
         let mut differences = vec![Vec::new(); bands.len()];
         for (at, &towards_sun) in suns.iter().enumerate() {

@@ -35,7 +35,7 @@ pub(super) fn solve(
     settings: &OrdinatesSettings,
 ) -> Result<(OrdinatesSolution, bool), BakeError> {
     let kept = StoredSolution { work, key: key(source, bands, settings) };
-    let (solution, cached) = work.run(Step::Solve, |progress| -> Result<_, BakeError> {
+    let (solution, cached) = work.run(Step::Solve, |progress| {
         if let Some(solution) = kept.read(source.turbid, bands.len(), settings) {
             work.hear(Event::Reused { step: Step::Solve, species: work.species.to_owned() });
             return Ok((solution, true));

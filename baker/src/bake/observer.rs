@@ -1,7 +1,6 @@
 //! What a bake tells while it works. The library prints nothing.
 
 use std::fmt;
-use std::panic::resume_unwind;
 
 use flb_format::{BaseSet, SunBasis};
 use flb_scene::{Observer, Step, Unobserved};
@@ -139,29 +138,4 @@ pub struct SolveSummary {
     pub residual: Option<f64>,
     /// Estimated relative L2 error of phi over the non-empty sites.
     pub error_estimate: Option<f64>,
-}
-
-/// Payload of the unwinding that ends a step which is to stop; [`super::bake`] catches it.
-pub(super) struct Stop;
-
-/// Runs a step of a bake that its observer may stop.
-pub(super) fn run<T>(
-    observer: &dyn Observer,
-    step: Step,
-    species: &str,
-    work: impl FnOnce(&(dyn Fn(f64) + Sync)) -> T,
-) -> T {
-    // Unwinding reaches the caller through every loop and every thread of rayon; no solver has to pass a flag down.
-    let stop_if_cancelled = || {
-        if observer.is_cancelled() {
-            resume_unwind(Box::new(Stop));
-        }
-    };
-    stop_if_cancelled();
-    step.run(observer, species, |progress| {
-        work(&|share: f64| {
-            stop_if_cancelled();
-            progress(share);
-        })
-    })
 }

@@ -79,7 +79,7 @@ fn fields(
     key: &Key,
 ) -> Result<(Vec<(u8, Field)>, bool), BakeError> {
     let key_of = |base: u8| Key::new("field").with("light", key.digest().into()).with("item", base.into());
-    let (bases, report) = work.run(Step::Solve, |progress| -> Result<_, BakeError> {
+    let (bases, report) = work.run(Step::Solve, |progress| {
         let read = |base: u8| store::read::<BaseArtefact>(work.store, &key_of(base), |_| Ok(()));
         if let Some(bases) = settings.bases.iter().map(read).collect::<Option<Vec<_>>>() {
             work.hear(Event::Reused { step: Step::Solve, species: work.species.to_owned() });

@@ -90,7 +90,7 @@ pub(super) fn bake(
             suns: &solve.suns,
             seen_sky: &crown.seen_sky,
         };
-        work.run(Step::Solids, |progress| solids.light(&mut solution.fields, progress))?;
+        work.run(Step::Solids, |progress| Ok(solids.light(&mut solution.fields, progress)?))?;
     }
     let weighed = |site: u32| (site, f64::from(crown.turbid.extinction(site as usize)));
     let matter: Vec<_> = crown.turbid.sites().into_iter().map(weighed).collect();

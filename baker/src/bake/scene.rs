@@ -15,7 +15,7 @@ use super::light::{self, LightSource, converged, error_of};
 use super::observer::BakeObserver;
 use super::settings::unsolved_light;
 use super::store::{self, Store};
-use super::{BakeError, Work, until_stopped};
+use super::{BakeError, Work};
 use crate::crown::Crown;
 use crate::scene_light::{
     Entry, Ground, Plant, SceneLightError, Scenery, Stand, entry, luminance, stand_digest,
@@ -233,24 +233,22 @@ pub fn bake_scene(
     store: &dyn Store,
     observer: &dyn BakeObserver,
 ) -> Result<BakedScene, BakeError> {
-    until_stopped(|| {
-        let field = scene.field()?;
-        let mut baking = Baking { settings, field, store, observer, suns_rms: 0.0, converged: true };
-        let plants: Vec<Plant> = scene.plants.iter().map(ScenePlant::as_plant).collect();
-        let (instances, ground) = (&scene.instances, scene.ground.as_ref());
-        let scenery = baking.merge("", || Scenery::new(&plants, instances, ground, settings.lattice))?;
-        let mut species = Vec::new();
-        for (index, (plant, of)) in plants.iter().zip(&scene.plants).enumerate() {
-            let crown = baking.merge(plant.name, || scenery.alone(index))?;
-            species.push(baking.alone(plant, &crown, &of.digest)?);
-        }
-        let factors: Vec<f64> = species.iter().map(|alone| alone.factor).collect();
-        let stand = baking.merge("", || scenery.stand(&factors));
-        let ground_sites = stand.is_ground.iter().filter(|is_ground| **is_ground).count();
-        let stand = baking.stand(&stand, &scene.digest)?;
-        let Baking { suns_rms, converged, .. } = baking;
-        Ok(BakedScene { species, stand, ground_sites, suns_rms, converged })
-    })
+    let field = scene.field()?;
+    let mut baking = Baking { settings, field, store, observer, suns_rms: 0.0, converged: true };
+    let plants: Vec<Plant> = scene.plants.iter().map(ScenePlant::as_plant).collect();
+    let (instances, ground) = (&scene.instances, scene.ground.as_ref());
+    let scenery = baking.merge("", || Ok(Scenery::new(&plants, instances, ground, settings.lattice)?))?;
+    let mut species = Vec::new();
+    for (index, (plant, of)) in plants.iter().zip(&scene.plants).enumerate() {
+        let crown = baking.merge(plant.name, || Ok(scenery.alone(index)?))?;
+        species.push(baking.alone(plant, &crown, &of.digest)?);
+    }
+    let factors: Vec<f64> = species.iter().map(|alone| alone.factor).collect();
+    let stand = baking.merge("", || Ok(scenery.stand(&factors)))?;
+    let ground_sites = stand.is_ground.iter().filter(|is_ground| **is_ground).count();
+    let stand = baking.stand(&stand, &scene.digest)?;
+    let Baking { suns_rms, converged, .. } = baking;
+    Ok(BakedScene { species, stand, ground_sites, suns_rms, converged })
 }
 
 /// A bake on its way.
@@ -270,7 +268,7 @@ impl Baking<'_> {
         Work { store: self.store, observer: self.observer, species: name }
     }
 
-    fn merge<T>(&self, name: &str, work: impl FnOnce() -> T) -> T {
+    fn merge<T>(&self, name: &str, work: impl FnOnce() -> Result<T, BakeError>) -> Result<T, BakeError> {
         self.work(name).run(Step::Merge, |_| work())
     }
 

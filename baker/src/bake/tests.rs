@@ -1,6 +1,5 @@
 use std::collections::BTreeMap;
 use std::sync::Mutex;
-use std::sync::atomic::{AtomicUsize, Ordering};
 
 use flb_format::{FieldKind, Quality};
 use flb_scene::mesh::testing::soup;
@@ -8,6 +7,8 @@ use flb_scene::{MaterialClass, Observer, Unobserved};
 use flb_transport::ordinates::Ordinates;
 
 use super::*;
+
+mod stopped;
 
 /// Leaves here and there, of one seed.
 fn plant(name: &str) -> Plant {
@@ -149,43 +150,6 @@ fn a_store_that_lies_is_found_and_mended() {
     let shelf = Shelf::default();
     parts.iter().for_each(|name| shelf.put(name, b"{]"));
     assert!(bake(plant("fern"), &quick(), &shelf, &Unobserved).expect("a good plant") == good);
-}
-
-#[test]
-fn a_bake_stops_between_stages_and_inside_them() {
-    /// Says stop when it is asked for the n-th time.
-    struct Stopper {
-        asked: AtomicUsize,
-        stop_at: usize,
-        begun: AtomicUsize,
-        ended: AtomicUsize,
-    }
-    impl Observer for Stopper {
-        fn begin(&self, _: Step, _: &str) {
-            self.begun.fetch_add(1, Ordering::Relaxed);
-        }
-        fn end(&self, _: Step) {
-            self.ended.fetch_add(1, Ordering::Relaxed);
-        }
-        fn is_cancelled(&self) -> bool {
-            self.asked.fetch_add(1, Ordering::Relaxed) + 1 >= self.stop_at
-        }
-    }
-    impl BakeObserver for Stopper {}
-    let stopper = |stop_at| {
-        let counter = || AtomicUsize::new(0);
-        Stopper { asked: counter(), stop_at, begun: counter(), ended: counter() }
-    };
-    let patient = stopper(usize::MAX);
-    bake(plant("fern"), &quick(), &NoStore, &patient).expect("nothing stops it");
-    let questions = patient.asked.into_inner();
-    assert!(questions > 12, "4 stages ask {questions} times: inside, too");
-    for stop_at in [1, 2, 3, questions / 2, questions] {
-        let stopper = stopper(stop_at);
-        let ended = bake(plant("fern"), &quick(), &NoStore, &stopper);
-        assert!(matches!(ended, Err(BakeError::Cancelled)), "{stop_at}: {ended:?}");
-        assert_eq!(stopper.begun.into_inner(), stopper.ended.into_inner(), "{stop_at}");
-    }
 }
 
 #[test]

@@ -1,7 +1,7 @@
 //! What can be wrong with a mesh and a medium that are to make a crown.
 
-use flb_format::Grid;
 use flb_format::meta::Bounds;
+use flb_format::{Cancelled, Grid};
 
 use crate::voxelise::VoxelError;
 
@@ -49,6 +49,9 @@ pub enum CrownError {
         /// Largest.
         high: [f64; 3],
     },
+    /// The caller stopped the work.
+    #[error(transparent)]
+    Cancelled(#[from] Cancelled),
 }
 
 /// One density per site, each finite and not negative.

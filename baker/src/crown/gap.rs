@@ -195,7 +195,7 @@ fn outline(
 ) -> Result<(Grid, Vec<u32>), VoxelError> {
     // One voxel per site: a voxel that is occupied is a site that is not empty.
     let settings = VoxelSettings { voxels: OUTLINE_LATTICE, lattice: OUTLINE_LATTICE, ignore_alpha };
-    let occupancy = voxelise(mesh, classes, &settings, &|_| ())?;
+    let occupancy = voxelise(mesh, classes, &settings, &|_| Ok(()))?;
     let grid = *occupancy.grid();
     let mut sites = Vec::new();
     for cluster in occupancy.clusters() {

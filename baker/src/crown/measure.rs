@@ -2,6 +2,7 @@
 
 use std::ops::Range;
 
+use flb_format::{Cancelled, Progress};
 use rayon::prelude::*;
 
 use super::directions::Axis;
@@ -124,8 +125,8 @@ pub(super) fn measure(
     sites: &[u32],
     axes: &[Axis],
     pixel_m: f64,
-    progress: &(dyn Fn(f64) + Sync),
-) -> Vec<SiteLight> {
+    progress: &Progress<'_>,
+) -> Result<Vec<SiteLight>, Cancelled> {
     let grid = &turbid.grid;
     let mut light = vec![SiteLight::default(); sites.len()];
     let (low, high) = bounds_of(grid, sites);
@@ -150,9 +151,9 @@ pub(super) fn measure(
                 *sum += weight * sides;
             }
         });
-        progress((done + 1) as f64 / axes.len() as f64);
+        progress((done + 1) as f64 / axes.len() as f64)?;
     }
-    light
+    Ok(light)
 }
 
 /// Light in one site along one axis.

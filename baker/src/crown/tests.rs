@@ -15,7 +15,7 @@ use flb_transport::turbid::INCLINATIONS;
 /// A mesh's medium; material 0 is leaf, 1 wood, as in [`soup`].
 fn medium_of(mesh: &Mesh, lattice: u32) -> Medium {
     let settings = VoxelSettings { voxels: 256, lattice, ignore_alpha: false };
-    downsample(&voxelise(mesh, &CLASSES, &settings, &|_| ()).unwrap()).unwrap()
+    downsample(&voxelise(mesh, &CLASSES, &settings, &|_| Ok(())).unwrap()).unwrap()
 }
 
 const CLASSES: [MaterialClass; 2] = [MaterialClass::Leaf, MaterialClass::Wood];
@@ -26,7 +26,7 @@ fn crown_of(mesh: &Mesh, medium: &Medium) -> Result<Crown, CrownError> {
         &CLASSES,
         medium,
         &CrownSettings { ignore_alpha: false, angles: LeafAngleChoice::Spherical },
-        &|_| (),
+        &|_| Ok(()),
     )
 }
 
@@ -96,7 +96,7 @@ fn wrong_lengths_are_errors() {
     let mut medium = medium_of(&mesh, 32);
     let classes = [MaterialClass::Leaf];
     let settings = CrownSettings { ignore_alpha: false, angles: LeafAngleChoice::Spherical };
-    let error = measure_crown(&mesh, &classes, &medium, &settings, &|_| ()).unwrap_err();
+    let error = measure_crown(&mesh, &classes, &medium, &settings, &|_| Ok(())).unwrap_err();
     assert_eq!(error, CrownError::Mesh(VoxelError::Classes { found: 1, expected: 2 }));
     medium.wood_area_density.pop();
     let message = crown_of(&mesh, &medium).unwrap_err().to_string();
@@ -179,7 +179,8 @@ fn a_level_card_stops_the_share_of_a_site_that_it_covers() {
     let turbid = one_site();
     let share_along = |along: [f64; 3]| {
         let axes = [directions::Axis { along, weight: 1.0 }];
-        let light = measure::measure(&facets, &turbid, &turbid.sites(), &axes, 1.0 / 64.0, &|_| ())[0];
+        let light =
+            measure::measure(&facets, &turbid, &turbid.sites(), &axes, 1.0 / 64.0, &|_| Ok(())).unwrap()[0];
         assert_eq!(light.arrived, 2.0 * light.rays);
         assert_eq!(light.first, [2.0 * light.blocked, 0.0]);
         light.blocked / light.rays
@@ -199,7 +200,8 @@ fn matter_behind_matter_stops_light_of_its_side_only() {
     let facets = Facets::new(&mesh, &CLASSES, false).unwrap();
     let turbid = one_site();
     let axes = [directions::Axis { along: [0.0, 1.0, 0.0], weight: 1.0 }];
-    let light = measure::measure(&facets, &turbid, &turbid.sites(), &axes, 1.0 / 64.0, &|_| ())[0];
+    let light =
+        measure::measure(&facets, &turbid, &turbid.sites(), &axes, 1.0 / 64.0, &|_| Ok(())).unwrap()[0];
     // From below, all rays meet the leaf first; from above they end before they come.
     assert_eq!((light.rays, light.blocked, light.arrived), (4096.0, 4096.0, 4096.0));
     assert_eq!(light.first, [4096.0, 0.0]);
@@ -214,7 +216,7 @@ fn a_sheet_in_a_face_between_sites_is_in_one_of_them_and_stops_nearly_all_light_
             mesh.materials.push(Material::opaque("wood")); // of no triangle: CLASSES are of two
             let medium = medium_of(&mesh, lattice);
             let settings = CrownSettings { ignore_alpha: false, angles: LeafAngleChoice::Measured };
-            let crown = measure_crown(&mesh, &CLASSES, &medium, &settings, &|_| ()).unwrap();
+            let crown = measure_crown(&mesh, &CLASSES, &medium, &settings, &|_| Ok(())).unwrap();
             let TurbidMedium { grid, leaf_per_m, angles, .. } = &crown.turbid;
             let middle = lattice / 2;
             let row: Vec<f64> = (4..lattice - 4)
@@ -258,9 +260,9 @@ fn built_in_crowns_pass_as_much_light_as_their_meshes() {
         let truth = rays.of_mesh();
         for lattice in [32, 64, 128] {
             let settings = VoxelSettings { voxels: 256, lattice, ignore_alpha: false };
-            let medium = downsample(&voxelise(&mesh, &classes, &settings, &|_| ()).unwrap()).unwrap();
+            let medium = downsample(&voxelise(&mesh, &classes, &settings, &|_| Ok(())).unwrap()).unwrap();
             let settings = CrownSettings { ignore_alpha: false, angles: LeafAngleChoice::Spherical };
-            let crown = measure_crown(&mesh, &classes, &medium, &settings, &|_| ()).unwrap();
+            let crown = measure_crown(&mesh, &classes, &medium, &settings, &|_| Ok(())).unwrap();
             assert!((crown.gap / crown.mesh_gap - 1.0).abs() < 1e-4, "{}", crown.gap);
             let error = rays.of_turbid(&crown.turbid).error(&truth);
             assert!(error.abs() < GATE, "{} at {lattice}: {error}", kind.name());

@@ -228,7 +228,7 @@ fn ground_throws_back_about_what_its_reflectance_says() {
             ..OrdinatesSettings::default()
         };
         let solution =
-            solve_among(&stand.turbid, &[stand.scatter()], &stand.surroundings(), &settings, &|_| ());
+            solve_among(&stand.turbid, &[stand.scatter()], &stand.surroundings(), &settings, &|_| Ok(()));
         let [x, y, z] = scenery.grid().lattice_from_model([0.1; 3]).map(|c| c as u32);
         let site = scenery.grid().index(x, y, z);
         let fields = solution.expect("light").fields;

@@ -2,6 +2,7 @@
 
 use std::sync::atomic::{AtomicUsize, Ordering};
 
+use flb_format::{Cancelled, Progress};
 use flb_scene::MaterialClass;
 use flb_scene::rays::{Ray, RayMesh};
 use flb_scene::sampling::{cosine_hemisphere, hash, r2_sequence};
@@ -104,8 +105,8 @@ pub(super) fn gather(
     rays: &RayMesh,
     places: &Places,
     points: &SolidPoints,
-    progress: &(dyn Fn(f64) + Sync),
-) -> Gathered {
+    progress: &Progress<'_>,
+) -> Result<Gathered, Cancelled> {
     let sent = Sent::new(solids);
     let sky = solids.total.items.first() == Some(&0);
     let tracer = Tracer { solids, rays, places, sent: &sent, points, sky };
@@ -114,13 +115,14 @@ pub(super) fn gather(
         let found = [1.0, -1.0].map(|side| tracer.side(number as u32, point, side));
         let count = done.fetch_add(1, Ordering::Relaxed) + 1;
         if count.is_multiple_of(1024) {
-            progress(count as f64 / points.points.len() as f64);
+            progress(count as f64 / points.points.len() as f64)?;
         }
-        found
+        Ok(found)
     };
-    let found: Vec<[Option<LitSide>; 2]> = points.points.par_iter().enumerate().map(of_point).collect();
+    let found = points.points.par_iter().enumerate().map(of_point);
+    let found = found.collect::<Result<Vec<[Option<LitSide>; 2]>, Cancelled>>()?;
     let (sides, light): (Vec<Side>, Vec<Vec<f32>>) = found.into_iter().flatten().flatten().unzip();
-    Gathered { sides, light: light.concat(), width: sent.width, bands: sent.bands }
+    Ok(Gathered { sides, light: light.concat(), width: sent.width, bands: sent.bands })
 }
 
 /// Where a ray ended.

@@ -10,8 +10,8 @@
 //!
 //! `straight` is the sky's and the suns' own light. Leaves elsewhere send what the solve found in their sites.
 
-use flb_format::SunBasis;
 use flb_format::sun::harmonics;
+use flb_format::{Cancelled, Progress, SunBasis};
 use flb_scene::rays::{Ray, RayMesh};
 use flb_scene::sampling::{cosine_hemisphere, hash, r2_sequence};
 use glam::{DVec3, Vec3};
@@ -87,11 +87,11 @@ impl<'a> Surfaces<'a> {
     }
 
     /// What comes to all sides, less the straight light of suns.
-    pub(super) fn gather(&self, progress: &(dyn Fn(f64) + Sync)) -> Gathered {
+    pub(super) fn gather(&self, progress: &Progress<'_>) -> Result<Gathered, Cancelled> {
         let sent = Sent::new(self.solids);
         let traced: Vec<Traced> =
             (0..2 * self.place_of.len()).into_par_iter().map(|side| self.trace(side)).collect();
-        progress(0.5);
+        progress(0.5)?;
         let light = self.balance(&traced, &sent);
         let (width, bands) = (sent.width, sent.bands);
         let grid = &self.solids.turbid.grid;
@@ -115,8 +115,8 @@ impl<'a> Surfaces<'a> {
             let end = found.len() - width;
             self.settle_ringing(&ringing, &mut found[end..], bands);
         }
-        progress(1.0);
-        Gathered { sides, light: found, width, bands }
+        progress(1.0)?;
+        Ok(Gathered { sides, light: found, width, bands })
     }
 
     /// Keeps the harmonics of a side's light, `[item][band]`, from giving less than nothing.

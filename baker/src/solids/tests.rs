@@ -49,7 +49,7 @@ impl Plant {
     fn new(mesh: Mesh, lattice: u32, suns: SunBasis) -> Plant {
         let classed = ClassedMesh { mesh, classes: vec![Wood, Leaf] };
         let voxels = VoxelSettings { voxels: 256, lattice, ignore_alpha: false };
-        let quiet = |_| ();
+        let quiet = |_| Ok(());
         let medium =
             downsample(&voxelise(&classed.mesh, &classed.classes, &voxels, &quiet).unwrap()).unwrap();
         let crown =
@@ -89,7 +89,7 @@ impl Plant {
     /// All fields, with the light on solids.
     fn lit(&self) -> Vec<(u8, Field)> {
         let mut fields = self.solution.fields.clone();
-        self.solids().light(&mut fields, &|_| ()).unwrap();
+        self.solids().light(&mut fields, &|_| Ok(())).unwrap();
         fields
     }
 }
@@ -202,7 +202,7 @@ fn twigs_take_the_near_beam_of_the_leaves_around_and_the_harmonics_hold_the_rest
     let rays = RayMesh::new(&plant.classed.mesh, false).unwrap();
     let places = solids.places();
     let points = points::on_solids(&plant.classed, &rays, plant.turbid.grid);
-    let gathered = gather::gather(&solids, &rays, &places, &points, &|_| ());
+    let gathered = gather::gather(&solids, &rays, &places, &points, &|_| Ok(())).unwrap();
     // Items: sky, 4 harmonics, the means. The mean over all suns of what a reader finds is what was gathered.
     let near = &plant.solution.total.near;
     assert_eq!((fields.len(), near.len(), near[0].len()), (8, 4, 3));
@@ -304,4 +304,19 @@ fn suns_light_a_leaf_in_a_pot_by_way_of_its_walls() {
     let straight = 0.16;
     let by_walls = on_the_leaf(&[0, 1, 2, 4, 5], 16) / 0.25 - straight;
     assert!((mean - by_walls).abs() < 0.02, "{mean} {by_walls}");
+}
+
+#[test]
+fn light_at_solids_stops_when_it_is_told_to_with_walls_and_without() {
+    let plant = Plant::new(leaf_behind(&[0, 1, 2, 4, 5]), 16, SunBasis::Lattice18);
+    let stopped = plant.solids().light(&mut plant.solution.fields.clone(), &|_| Err(Cancelled));
+    assert!(matches!(stopped, Err(SolidsError::Cancelled(Cancelled))), "{stopped:?}");
+
+    // It asks at every 1024th point.
+    let plant = Plant::new(leaves_with_a_twig_and_a_block(), 32, SunBasis::Lattice18);
+    let solids = plant.solids();
+    let rays = RayMesh::new(&plant.classed.mesh, false).unwrap();
+    let points = points::on_solids(&plant.classed, &rays, plant.turbid.grid);
+    let gathered = gather::gather(&solids, &rays, &solids.places(), &points, &|_| Err(Cancelled));
+    assert!(gathered.is_err(), "{} points", points.points.len());
 }

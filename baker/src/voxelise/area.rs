@@ -3,6 +3,7 @@
 
 use std::sync::atomic::{AtomicUsize, Ordering};
 
+use flb_format::{Cancelled, Progress};
 use rayon::prelude::*;
 
 use super::Scene;
@@ -11,12 +12,12 @@ use super::piece::{MAX_POINTS, Piece, PiecePoint};
 use super::triangle::{CutTriangle, Snapped, UNITS};
 
 /// Areas of all sites with surface in them, sorted by site.
-pub(super) fn measure(scene: &Scene, progress: &(dyn Fn(f64) + Sync)) -> Vec<SiteArea> {
+pub(super) fn measure(scene: &Scene, progress: &Progress<'_>) -> Result<Vec<SiteArea>, Cancelled> {
     let units_per_site = i64::from(scene.voxels_per_site()) * UNITS;
     let layers = scene.layers(units_per_site);
     let edge = scene.grid.lattice as usize;
     let done = AtomicUsize::new(0);
-    let areas: Vec<Vec<SiteArea>> = (0..layers.count())
+    let areas = (0..layers.count())
         .into_par_iter()
         .with_max_len(1)
         .map_init(
@@ -28,12 +29,12 @@ pub(super) fn measure(scene: &Scene, progress: &(dyn Fn(f64) + Sync)) -> Vec<Sit
                         layer.add(&triangle, units_per_site as f64, z as f64, room);
                     }
                 }
-                progress((done.fetch_add(1, Ordering::Relaxed) + 1) as f64 / layers.count() as f64);
-                layer.finish(z)
+                progress((done.fetch_add(1, Ordering::Relaxed) + 1) as f64 / layers.count() as f64)?;
+                Ok(layer.finish(z))
             },
         )
-        .collect();
-    areas.concat()
+        .collect::<Result<Vec<Vec<SiteArea>>, Cancelled>>()?;
+    Ok(areas.concat())
 }
 
 /// Room for the parts of one triangle after the other.

@@ -1,5 +1,6 @@
 //! What can be wrong with a mesh or with settings, seen from voxelising and downsampling.
 
+use flb_format::Cancelled;
 use flb_scene::alpha::AlphaError;
 
 /// A mesh, occupancy or settings that cannot be voxelised or downsampled.
@@ -64,4 +65,7 @@ pub enum VoxelError {
         /// Value that was found, and what was expected.
         fault: String,
     },
+    /// The caller stopped the work.
+    #[error(transparent)]
+    Cancelled(#[from] Cancelled),
 }

@@ -2,6 +2,7 @@
 
 use std::sync::atomic::{AtomicUsize, Ordering};
 
+use flb_format::{Cancelled, Progress};
 use rayon::prelude::*;
 
 use super::Scene;
@@ -15,11 +16,11 @@ use super::triangle::UNITS;
 const THICKNESS: usize = 4;
 
 /// All clusters that leaf or wood touches, sorted by z, y, x.
-pub(super) fn occupy(scene: &Scene, progress: &(dyn Fn(f64) + Sync)) -> Vec<Cluster> {
+pub(super) fn occupy(scene: &Scene, progress: &Progress<'_>) -> Result<Vec<Cluster>, Cancelled> {
     let layers = scene.layers(THICKNESS as i64 * i64::from(CLUSTER_EDGE) * UNITS);
     let done = AtomicUsize::new(0);
     let edge = (scene.voxels / CLUSTER_EDGE) as usize;
-    let clusters: Vec<Vec<Cluster>> = (0..layers.count())
+    let clusters = (0..layers.count())
         .into_par_iter()
         .with_max_len(1)
         .map_init(
@@ -27,12 +28,12 @@ pub(super) fn occupy(scene: &Scene, progress: &(dyn Fn(f64) + Sync)) -> Vec<Clus
             |places, layer| {
                 let clusters = Layer { z: layer * THICKNESS, edge, places, clusters: Vec::new() }
                     .fill(scene, layers.of(layer));
-                progress((done.fetch_add(1, Ordering::Relaxed) + 1) as f64 / layers.count() as f64);
-                clusters
+                progress((done.fetch_add(1, Ordering::Relaxed) + 1) as f64 / layers.count() as f64)?;
+                Ok(clusters)
             },
         )
-        .collect();
-    clusters.concat()
+        .collect::<Result<Vec<Vec<Cluster>>, Cancelled>>()?;
+    Ok(clusters.concat())
 }
 
 /// One layer while it fills.

@@ -14,7 +14,7 @@ pub(crate) fn settings(voxels: u32, lattice: u32) -> VoxelSettings {
 }
 
 pub(crate) fn quiet(mesh: &Mesh, classes: &[MaterialClass], settings: &VoxelSettings) -> Occupancy {
-    voxelise(mesh, classes, settings, &|_| ()).expect("a good mesh")
+    voxelise(mesh, classes, settings, &|_| Ok(())).expect("a good mesh")
 }
 
 /// Coordinates on a coarse raster as often as anywhere, so that faces, edges and corners are met exactly.
@@ -292,7 +292,7 @@ fn one_giant_triangle_takes_no_more_than_its_voxels() {
 fn bad_input_is_refused_with_its_reason() {
     let good = soup(&[[[0.0; 3], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]]]);
     let message = |mesh: &Mesh, classes: &[MaterialClass], settings: VoxelSettings| {
-        voxelise(mesh, classes, &settings, &|_| ()).expect_err("bad input").to_string()
+        voxelise(mesh, classes, &settings, &|_| Ok(())).expect_err("bad input").to_string()
     };
     let mut far = good.clone();
     far.positions.iter_mut().for_each(|at| at[2] += f32::INFINITY);

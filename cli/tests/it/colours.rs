@@ -139,7 +139,7 @@ fn surfaces_in_a_file_that_cannot_be_used_are_told_by_info_and_refused_by_a_pict
     let too_much =
         json!([{ "texel": "tint", "reflectance": [2.0, 0.1, 0.1], "transmittance": [0.0, 0.0, 0.0] }]);
     fields.meta.settings.insert("surfaces.materials".to_owned(), too_much);
-    let encoded = encode_species(&fields, &EncodeSettings::default(), &|_| ()).expect("it encodes");
+    let encoded = encode_species(&fields, &EncodeSettings::default(), &|_| Ok(())).expect("it encodes");
     write_library(&folder.path("odd.flb"), &[&encoded], false).expect("a fresh file");
     let said = "settings.surfaces.materials[0].reflectance: 2, expected 0 to 1";
     let info = folder.flb(&["info", "odd.flb", "--json"]).expect_code(0).json();

@@ -147,7 +147,7 @@ fn a_file_that_does_not_say_its_mesh_is_rendered_with_what_fits() {
     let container = Container::open(&bytes).expect("it was baked");
     let mut fields = load_species(&container, &bytes, 0).expect("it loads");
     assert!(fields.meta.mesh_blake3.take().is_some(), "a bake says it");
-    let old = encode_species(&fields, &EncodeSettings::default(), &|_| ()).expect("it encodes");
+    let old = encode_species(&fields, &EncodeSettings::default(), &|_| Ok(())).expect("it encodes");
     write_library(&folder.path("old.flb"), &[&old], false).expect("a fresh file");
     folder.write("other.obj", format!("# another file\n{}", leaf(1.9))).write("far.obj", leaf(4.0));
     let render = |mesh: &str| {

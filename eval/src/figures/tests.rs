@@ -134,7 +134,7 @@ fn an_error_is_found_at_its_size_whatever_the_number_of_paths() {
     let suns = [[0.3, 1.0, 0.1], [-1.0, 0.4, 0.7]];
     let traced = |samples: u32| {
         let on_mesh = (&classed.mesh, &classed.classes[..]);
-        irradiance(on_mesh, surfaces, &points, &suns, samples, &|_| ()).expect("a good mesh")
+        irradiance(on_mesh, surfaces, &points, &suns, samples, &|_| Ok(())).expect("a good mesh")
     };
     let finest = traced(4096);
     // Light that is off by a tenth of the truth, of both signs.

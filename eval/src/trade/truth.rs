@@ -1,7 +1,7 @@
 //! How far a solve is from Monte Carlo in the physical medium of its lattice, over the non-empty sites, the noise taken
 //! out by two seeds.
 
-use flb_format::Field;
+use flb_format::{Field, Progress};
 use flb_transport::monte_carlo::judge::{self, Judgement, photons};
 use flb_transport::ordinates::{OrdinatesSettings, OrdinatesSolution, SiteAlbedos, TotalLight, near};
 use flb_transport::turbid::{BandScatter, TurbidMedium};
@@ -43,7 +43,7 @@ impl Truth {
         bands: &[BandScatter],
         albedos: &[SiteAlbedos],
         suns: &[[f64; 3]],
-        progress: &(dyn Fn(f64) + Sync),
+        progress: &Progress<'_>,
     ) -> Result<Result<Truth, String>, EvalError> {
         let lattice = turbid.grid.lattice;
         if lattice > FINEST_TRACED {
@@ -119,12 +119,13 @@ mod tests {
         let bands = [BandScatter { leaf: scatter, wood: scatter }; 2];
         let suns = judge::suns(2);
         let albedos = vec![vec![[0.5; 2]; turbid.sites().len()]; 2];
-        let truth =
-            Truth::trace(&turbid, &bands, &albedos, &suns, &|_| {}).expect("a valid medium").expect("small");
+        let truth = Truth::trace(&turbid, &bands, &albedos, &suns, &|_| Ok(()))
+            .expect("a valid medium")
+            .expect("small");
         assert_eq!(truth.photons, photons(1));
 
         let settings = OrdinatesSettings::default();
-        let solution = ordinates::solve(&turbid, &bands, &settings, &|_| {}).expect("a valid medium");
+        let solution = ordinates::solve(&turbid, &bands, &settings, &|_| Ok(())).expect("a valid medium");
         let transport = super::super::choice::finest(16).transport;
         let finest = *transport.marched().expect("the finest solve marches");
         let suns = NamedSuns::Sh2s;
@@ -153,7 +154,8 @@ mod tests {
             wood_per_m: extinction,
             angles: LeafAngles::spherical(),
         };
-        let reason = Truth::trace(&turbid, &[], &[], &[], &|_| {}).expect("no work").err().expect("a reason");
+        let reason =
+            Truth::trace(&turbid, &[], &[], &[], &|_| Ok(())).expect("no work").err().expect("a reason");
         assert!(reason.contains("lattice 256"), "{reason}");
     }
 }

@@ -79,7 +79,7 @@ fn physical(name: &str) -> SpeciesFields {
 }
 
 fn file(species: &[&SpeciesFields], settings: &EncodeSettings) -> Vec<u8> {
-    let encoded: Vec<_> = species.iter().map(|s| encode_species(s, settings, &|_| {}).unwrap()).collect();
+    let encoded: Vec<_> = species.iter().map(|s| encode_species(s, settings, &|_| Ok(())).unwrap()).collect();
     let mut bytes = Vec::new();
     write_library_to(&mut bytes, &encoded.iter().collect::<Vec<_>>()).unwrap();
     bytes

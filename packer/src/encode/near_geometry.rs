@@ -5,7 +5,7 @@ use std::sync::Arc;
 
 use flb_format::blocks::{BlockMap, Classes, CodedBase, Coding, Shared};
 use flb_format::records::*;
-use flb_format::{Class, Codec, Field, SunBasis};
+use flb_format::{Class, Codec, Field, Progress, SunBasis};
 use rayon::prelude::*;
 
 use crate::quality::{BaseReport, SurfaceError};
@@ -59,7 +59,7 @@ pub(super) fn encode(
     bases: &[&(u8, Field)],
     settings: &EncodeSettings,
     points: &[u32],
-    progress: &(dyn Fn(f64) + Sync),
+    progress: &Progress<'_>,
 ) -> Result<Encoded, PackError> {
     let lattice = fields.meta.grid.lattice;
     let (all, leaves) = sampled_sites(fields);
@@ -76,7 +76,7 @@ pub(super) fn encode(
         None => code_species(lattice, sites, &list, &rate),
     };
     let coded = coded.map_err(|error| error.of(&fields.meta.name))?;
-    progress(0.9);
+    progress(0.9)?;
     let shared = shared(&coded, lattice);
     let bands = fields.meta.band_count() as u32;
     let sections: Vec<[EncodedSection; 2]> =

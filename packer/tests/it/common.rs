@@ -145,8 +145,10 @@ pub(crate) fn bipyramid(around: u32) -> SunBasis {
 }
 
 pub(crate) fn pack(fields: &[SpeciesFields], settings: &EncodeSettings) -> Vec<u8> {
-    let coded: Vec<_> =
-        fields.iter().map(|f| encode_species(f, settings, &|_| ()).expect("golden fields encode")).collect();
+    let coded: Vec<_> = fields
+        .iter()
+        .map(|f| encode_species(f, settings, &|_| Ok(())).expect("golden fields encode"))
+        .collect();
     let mut bytes = Vec::new();
     let length = write_library_to(&mut bytes, &coded.iter().collect::<Vec<_>>()).expect("it fits");
     assert_eq!(length, bytes.len() as u64);

@@ -269,7 +269,7 @@ fn copied_species_make_the_same_file_and_merge_with_others() {
     let (_, fields, settings) =
         golden().into_iter().find(|(name, ..)| *name == "raw-f32").expect("it is there");
     let other = species("fourth", 1, &[3, 2]);
-    let coded = encode_species(&other, &EncodeSettings::papers(), &|_| ()).expect("it encodes");
+    let coded = encode_species(&other, &EncodeSettings::papers(), &|_| Ok(())).expect("it encodes");
     let bytes = pack(&fields, &settings);
     let container = Container::open(&bytes).expect("it opens");
     let copied = copy_species(&container, &bytes, 0).expect("it copies");

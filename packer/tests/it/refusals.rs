@@ -5,8 +5,9 @@ use std::collections::BTreeMap;
 use flb_format::meta::{Bounds, TriangleCounts};
 use flb_format::sun::directions::SunDirections;
 use flb_format::{
-    BandSurfaces, BaseSet, Class, Codec, Container, Field, FieldKind, Grid, LeafAngles, LeafSurface, Light,
-    LightError, Medium, Model, Optics, SpeciesMeta, SunBasis, Surfaces, TurbidMedium, WoodSurface,
+    BandSurfaces, BaseSet, Cancelled, Class, Codec, Container, Field, FieldKind, Grid, LeafAngles,
+    LeafSurface, Light, LightError, Medium, Model, Optics, SpeciesMeta, SunBasis, Surfaces, TurbidMedium,
+    WoodSurface,
 };
 use flb_packer::leave_out::{keep_bases, keep_coded_bases};
 use flb_packer::{
@@ -46,7 +47,7 @@ fn fields(name: &str) -> SpeciesFields {
 }
 
 fn encode(fields: &SpeciesFields, settings: &EncodeSettings) -> Result<EncodedSpecies, PackError> {
-    encode_species(fields, settings, &|_| ())
+    encode_species(fields, settings, &|_| Ok(()))
 }
 
 fn refusal(edit: impl FnOnce(&mut SpeciesFields, &mut EncodeSettings)) -> String {
@@ -62,6 +63,17 @@ fn settings_outside_the_limits_are_refused() {
     assert!(
         refusal(|_, s| s.page_bytes = 1000).starts_with("page size is 1000, expected a multiple of 4096")
     );
+}
+
+#[test]
+fn every_codec_stops_when_it_is_told_to() {
+    for codec in [Codec::RawF32, Codec::HaarPaper, Codec::Haar, Codec::Classed] {
+        let settings = EncodeSettings { codec, ..EncodeSettings::papers() };
+        let stopped = encode_species(&fields("oak"), &settings, &|_| Err(Cancelled));
+        let error = stopped.expect_err("it was stopped");
+        assert!(matches!(error, PackError::Cancelled(Cancelled)), "{codec:?}: {error}");
+        assert_eq!(error.to_string(), "the work was stopped");
+    }
 }
 
 #[test]

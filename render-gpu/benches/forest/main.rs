@@ -115,11 +115,11 @@ fn scene(name: &str, gpu: &Gpu, meshes: &[Mesh], instances: &[Placement], eye: E
                 on_gpu.wait().expect(ok);
             });
             let mut fragments = None;
-            let trace = shortest(best_of, || fragments = Some(forest.trace(&view, &|_| ()).expect(ok)));
+            let trace = shortest(best_of, || fragments = Some(forest.trace(&view, &|_| Ok(())).expect(ok)));
             let fragments = fragments.expect(ok);
             let relight = shortest(best_of, || {
                 forest
-                    .relight(&fragments, &daylight, &Look::default(), &light, &|_| ())
+                    .relight(&fragments, &daylight, &Look::default(), &light, &|_| Ok(()))
                     .expect("a finite light");
             });
             println!(

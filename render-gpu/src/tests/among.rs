@@ -63,7 +63,7 @@ fn on_cpu(
     shade: Option<&SceneLightAtSun>,
     alone: &Alone,
 ) -> Picture {
-    let fragments = forest.trace(view, &|_| ()).unwrap();
+    let fragments = forest.trace(view, &|_| Ok(())).unwrap();
     let strength = forest.around().scenery(daylight, &Look::default(), [0.0; 3]).unwrap().sun_strength;
     let light = |LightQuery { instance, point, .. }: LightQuery, phi: &mut [f32; 3]| {
         let modulation = shade.map_or(Modulations::UNCHANGED, |shade| shade.at(instance, point));
@@ -71,7 +71,7 @@ fn on_cpu(
         alone(instance, left, point, phi);
         modulation.add(strength, daylight.daylight.sky, phi);
     };
-    forest.relight(&fragments, daylight, look, &light, &|_| ()).unwrap()
+    forest.relight(&fragments, daylight, look, &light, &|_| Ok(())).unwrap()
 }
 
 #[test]

@@ -59,7 +59,7 @@ fn paper_pictures_are_those_of_the_cpu() {
     for (ground, most) in [(Some(plane()), 5), (Some(hills(50.0)), 2), (None, 1)] {
         let forest = two(&meshes, Shading::Paper, &instances, ground);
         let view = view([112, 70], 4, 30.0);
-        let fragments = forest.trace(&view, &|_| ()).unwrap();
+        let fragments = forest.trace(&view, &|_| Ok(())).unwrap();
         let mut lights = LightSet::load(&gpu, &sources, instances.len()).unwrap();
         let mut on_gpu = GpuForest::new(&gpu, &forest, &lights, settings()).unwrap();
         on_gpu.trace(&view).unwrap();
@@ -83,7 +83,7 @@ fn paper_pictures_are_those_of_the_cpu() {
                 let blend = flb_format::sun::blend(turned(placed, sun)).unwrap();
                 samplers[placed.species].indirect(&blend, strength, daylight.daylight.sky, point, phi);
             };
-            let expected = forest.relight(&fragments, &daylight, &look, &light, &|_| ()).unwrap();
+            let expected = forest.relight(&fragments, &daylight, &look, &light, &|_| Ok(())).unwrap();
             assert_alike(&found, &expected, 0.0);
         }
     }
@@ -100,7 +100,7 @@ fn physical_pictures_are_those_of_the_cpu() {
     let gpu = gpu();
     let forest = two(&meshes, physical(), &instances, Some(plane()));
     let view = view([112, 70], 4, 30.0);
-    let fragments = forest.trace(&view, &|_| ()).unwrap();
+    let fragments = forest.trace(&view, &|_| Ok(())).unwrap();
     let mut lights = LightSet::load(&gpu, &sources, instances.len()).unwrap();
     let mut on_gpu = GpuForest::new(&gpu, &forest, &lights, settings()).unwrap();
     on_gpu.trace(&view).unwrap();
@@ -116,7 +116,7 @@ fn physical_pictures_are_those_of_the_cpu() {
             let terms = sampler.terms(turned(placed, sun)).unwrap();
             sampler.fluence_of(&terms, Default::default(), 1.0, daylight.daylight.sky, point, phi);
         };
-        let expected = forest.relight(&fragments, &daylight, &look, &light, &|_| ()).unwrap();
+        let expected = forest.relight(&fragments, &daylight, &look, &light, &|_| Ok(())).unwrap();
         assert_alike(&on_gpu.picture().unwrap(), &expected, PHYSICAL_EXPOSURE);
     }
 }
@@ -136,7 +136,7 @@ fn harmonics_are_lit_with_the_near_beam_as_on_the_cpu() {
     let shading = Shading::Physical(Surfaces { solid_offset_m: None, ..surfaces });
     let forest = two(&meshes, shading, &instances, Some(plane()));
     let view = view([96, 64], 4, 26.0);
-    let fragments = forest.trace(&view, &|_| ()).unwrap();
+    let fragments = forest.trace(&view, &|_| Ok(())).unwrap();
     let mut lights = LightSet::load(&gpu, &sources, instances.len()).unwrap();
     let mut on_gpu = GpuForest::new(&gpu, &forest, &lights, settings()).unwrap();
     on_gpu.trace(&view).unwrap();
@@ -153,7 +153,7 @@ fn harmonics_are_lit_with_the_near_beam_as_on_the_cpu() {
         let near = marcher.near(point, terms.towards_sun, &[offset(seed, 0)]);
         sampler.fluence_of(&terms, near, 1.0, daylight.daylight.sky, point, phi);
     };
-    let expected = forest.relight(&fragments, &daylight, &look, &light, &|_| ()).unwrap();
+    let expected = forest.relight(&fragments, &daylight, &look, &light, &|_| Ok(())).unwrap();
     // Places of estimates depend on the last bits of a point, so single pixels differ by their noise and means must
     // not.
     let (rms, _) = difference(&found, &expected, PHYSICAL_EXPOSURE);
@@ -167,7 +167,7 @@ fn harmonics_are_lit_with_the_near_beam_as_on_the_cpu() {
         let none = Default::default();
         samplers[placed.species].fluence_of(&terms, none, 1.0, daylight.daylight.sky, point, phi);
     };
-    let other = forest.relight(&fragments, &daylight, &look, &dark, &|_| ()).unwrap();
+    let other = forest.relight(&fragments, &daylight, &look, &dark, &|_| Ok(())).unwrap();
     assert!((mean(&other) / mean(&expected) - 1.0).abs() > 0.05);
 }
 
@@ -186,10 +186,10 @@ fn a_planted_difference_of_light_is_found() {
         on_gpu.relight(&mut lights, &Lighting::towards(towards_sun(135.0, 35.0)), &Look::default()).unwrap();
         on_gpu.picture().unwrap()
     });
-    let fragments = forest.trace(&view, &|_| ()).unwrap();
+    let fragments = forest.trace(&view, &|_| Ok(())).unwrap();
     let light = |_: LightQuery, phi: &mut [f32; 3]| *phi = [0.3; 3];
     let daylight = Lighting::towards(towards_sun(135.0, 35.0));
-    let expected = forest.relight(&fragments, &daylight, &Look::default(), &light, &|_| ()).unwrap();
+    let expected = forest.relight(&fragments, &daylight, &Look::default(), &light, &|_| Ok(())).unwrap();
     let [same, other] = pictures.each_ref().map(|picture| difference(picture, &expected, 0.0).0);
     assert!(same < 2.0 * RMS && other > 1.5 * same, "{same} {other}");
 }
@@ -246,9 +246,9 @@ fn one_plant_alone_is_lit_too() {
     on_gpu.trace(&view).unwrap();
     let daylight = Lighting::towards(towards_sun(200.0, 40.0));
     on_gpu.relight(&mut lights, &daylight, &Look::default()).unwrap();
-    let fragments = forest.trace(&view, &|_| ()).unwrap();
+    let fragments = forest.trace(&view, &|_| Ok(())).unwrap();
     let light = |_: LightQuery, phi: &mut [f32; 3]| *phi = [0.3; 3];
-    let expected = forest.relight(&fragments, &daylight, &Look::default(), &light, &|_| ()).unwrap();
+    let expected = forest.relight(&fragments, &daylight, &Look::default(), &light, &|_| Ok(())).unwrap();
     let (rms, median) = difference(&on_gpu.picture().unwrap(), &expected, 0.0);
     assert!(rms < 2.0 * RMS && median < MEDIAN);
 }

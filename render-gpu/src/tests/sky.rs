@@ -72,8 +72,8 @@ fn both(
     let light = |LightQuery { instance, point, facing }: LightQuery, phi: &mut [f32; 3]| {
         lit[instance as usize].at_facing(point, facing, phi);
     };
-    let fragments = forest.trace(view, &|_| ()).expect("a view");
-    [found, forest.relight(&fragments, lighting, look, &light, &|_| ()).expect("a daylight")]
+    let fragments = forest.trace(view, &|_| Ok(())).expect("a view");
+    [found, forest.relight(&fragments, lighting, look, &light, &|_| Ok(())).expect("a daylight")]
 }
 
 #[test]

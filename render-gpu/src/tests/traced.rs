@@ -63,7 +63,7 @@ pub(super) fn compare_by(
     let mut on_gpu = GpuForest::new(&gpu, forest, &dark(&gpu, meshes.len()), settings).unwrap();
     on_gpu.trace(view).unwrap();
     let found = on_gpu.fragments().unwrap();
-    let expected = forest.trace(view, &|_| ()).unwrap();
+    let expected = forest.trace(view, &|_| Ok(())).unwrap();
     let mut agreement = Agreement::default();
     let at_edge = |instance: u32, triangle: u32, weights: [f32; 2]| {
         let mesh = meshes[instances[instance as usize].species];
@@ -250,7 +250,7 @@ fn a_planted_difference_is_found() {
     let mut on_gpu = GpuForest::new(&gpu, &forest, &dark(&gpu, 2), settings()).unwrap();
     let view = scenes::view([128, 96], 1, 20.0);
     on_gpu.trace(&view).unwrap();
-    let expected = truth.trace(&view, &|_| ()).unwrap();
+    let expected = truth.trace(&view, &|_| Ok(())).unwrap();
     let found = on_gpu.fragments().unwrap();
     let differ = found.iter().enumerate().filter(|(ray, met)| {
         let twin = expected.at(*ray as u32 % 128, *ray as u32 / 128, 0);

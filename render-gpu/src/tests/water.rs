@@ -66,7 +66,7 @@ fn rays_come_to_the_same_by_way_of_the_water_as_on_the_cpu() {
         let mut on_gpu = GpuForest::new(&gpu, &forest, &lights, by).unwrap();
         let view = shore([150, 110], 1, water, middle);
         on_gpu.trace(&view).unwrap();
-        let expected = forest.trace(&view, &|_| ()).unwrap();
+        let expected = forest.trace(&view, &|_| Ok(())).unwrap();
         let (found, mirrored) = (on_gpu.fragments().unwrap(), on_gpu.mirrored().unwrap());
         let (mut kinds, mut different) = ([0; 3], 0);
         for (ray, met) in found.iter().enumerate() {
@@ -104,7 +104,7 @@ fn pictures_with_water_are_those_of_the_cpu_for_every_sun_of_one_trace() {
     {
         let forest = two(&meshes, shading, &plants([0.0; 3]), ground).with_water(water).unwrap();
         let view = shore([112, 70], 4, water, [0.0; 3]);
-        let fragments = forest.trace(&view, &|_| ()).unwrap();
+        let fragments = forest.trace(&view, &|_| Ok(())).unwrap();
         let sources = [LightSource::Even(EVEN), LightSource::Even(EVEN)];
         let mut lights = LightSet::load(&gpu, &sources, plants([0.0; 3]).len()).unwrap();
         let mut on_gpu = GpuForest::new(&gpu, &forest, &lights, settings()).unwrap();
@@ -120,7 +120,7 @@ fn pictures_with_water_are_those_of_the_cpu_for_every_sun_of_one_trace() {
             let daylight = Lighting::of(Daylight { towards_sun: sun, sun: 1.0, sky: 0.2 });
             let look = Look { indirect, ..Look::default() };
             on_gpu.relight(&mut lights, &daylight, &look).unwrap();
-            let expected = forest.relight(&fragments, &daylight, &look, &even, &|_| ()).unwrap();
+            let expected = forest.relight(&fragments, &daylight, &look, &even, &|_| Ok(())).unwrap();
             assert_alike(&on_gpu.picture().unwrap(), &expected, exposure);
         }
     }
@@ -133,8 +133,8 @@ fn a_planted_difference_of_the_water_is_found() {
     let daylight = Lighting::towards(towards_sun(135.0, 35.0));
     let on_cpu = |water: Water| {
         let forest = two(&meshes, Shading::Paper, &plants([0.0; 3]), None).with_water(water).unwrap();
-        let fragments = forest.trace(&view, &|_| ()).unwrap();
-        forest.relight(&fragments, &daylight, &Look::default(), &even, &|_| ()).unwrap()
+        let fragments = forest.trace(&view, &|_| Ok(())).unwrap();
+        forest.relight(&fragments, &daylight, &Look::default(), &even, &|_| Ok(())).unwrap()
     };
     let forest = two(&meshes, Shading::Paper, &plants([0.0; 3]), None).with_water(LAKE).unwrap();
     let sources = [LightSource::Even(EVEN), LightSource::Even(EVEN)];

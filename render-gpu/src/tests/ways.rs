@@ -70,12 +70,12 @@ fn shadows_are_those_of_the_cpu_by_any_way() {
     let (meshes, instances) = (meshes(), stand(17, 30.0, [0.0; 3]));
     for ground in [Some(plane()), None] {
         let forest = two(&meshes, Shading::Paper, &instances, ground);
-        let fragments = forest.trace(&view([112, 70], 2, 30.0), &|_| ()).unwrap();
+        let fragments = forest.trace(&view([112, 70], 2, 30.0), &|_| Ok(())).unwrap();
         let expected = suns.map(|[azimuth, elevation]| {
             let sun = towards_sun(azimuth, elevation);
             let daylight = Lighting::towards(sun);
             let look = Look { indirect: Indirect::Off, ..Look::default() };
-            forest.relight(&fragments, &daylight, &look, &|_, phi| *phi = [0.0; 3], &|_| ()).unwrap()
+            forest.relight(&fragments, &daylight, &look, &|_, phi| *phi = [0.0; 3], &|_| Ok(())).unwrap()
         });
         let ways = all();
         let shadows = ways.iter().filter(|search| search.primary == InstanceSearch::Tree);

@@ -1,5 +1,6 @@
 //! What every ray of a picture meets first: traced once for a camera, lit as often as the sun moves.
 
+use flb_format::Progress;
 use flb_scene::sampling::cosine_hemisphere;
 use glam::{DVec3, Vec3};
 
@@ -278,11 +279,11 @@ impl Forest<'_> {
     ///
     /// # Errors
     /// [`RenderError::Setting`] for a view outside its limits; [`RenderError::Underwater`].
-    pub fn trace(&self, view: &View, progress: &(dyn Fn(f64) + Sync)) -> Result<Fragments, RenderError> {
+    pub fn trace(&self, view: &View, progress: &Progress<'_>) -> Result<Fragments, RenderError> {
         view.check()?;
         let camera = Camera::new(self, view)?;
         let tracer = Tracer::new(self, camera);
-        let squares = squares::in_parallel(view, progress, |_, area| tracer.square(area));
+        let squares = squares::in_parallel(view, progress, |_, area| tracer.square(area))?;
         Ok(Fragments { camera, squares })
     }
 

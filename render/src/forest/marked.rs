@@ -26,7 +26,7 @@ impl Forest<'_> {
             }
         };
         let samples = camera.view.samples as usize;
-        let pixels = squares::pixels(&camera.view, &|_| (), |number, area| {
+        let pixels = squares::pixels(&camera.view, &|_| Ok(()), |number, area| {
             let rays = fragments.square(number).fragments.chunks_exact(samples);
             let mean = |(rays, pixel): (&[Fragment], (u32, u32))| {
                 let sum: Vec3 = rays.iter().zip(0..).map(|(one, sample)| color(one, pixel, sample)).sum();
@@ -34,6 +34,7 @@ impl Forest<'_> {
             };
             rays.zip(area.pixels()).map(mean).collect()
         });
+        let pixels = pixels.expect("nothing stops it");
         Picture { width: camera.view.width, height: camera.view.height, rgb: pixels.into_flattened() }
     }
 }

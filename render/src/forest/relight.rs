@@ -1,5 +1,6 @@
 //! Rays in the light of a sun: shadow rays and baked light, and nothing that the camera has found before.
 
+use flb_format::Progress;
 use flb_scene::MaterialClass;
 use glam::{DVec3, Vec3};
 
@@ -71,12 +72,12 @@ impl Forest<'_> {
         lighting: &Lighting,
         look: &Look,
         light: &LightFn<'_>,
-        progress: &(dyn Fn(f64) + Sync),
+        progress: &Progress<'_>,
     ) -> Result<Picture, RenderError> {
         let camera = &fragments.camera;
         let lit = Lit::new(self, camera, lighting, look, light)?;
         let work = |number, _| lit.square(camera, fragments.square(number));
-        picture(&camera.view, squares::pixels(&camera.view, progress, work))
+        picture(&camera.view, squares::pixels(&camera.view, progress, work)?)
     }
 
     /// Renders a picture in one go, of as many rays as one likes: what they meet is not kept.
@@ -89,12 +90,12 @@ impl Forest<'_> {
         lighting: &Lighting,
         look: &Look,
         light: &LightFn<'_>,
-        progress: &(dyn Fn(f64) + Sync),
+        progress: &Progress<'_>,
     ) -> Result<Picture, RenderError> {
         let camera = Camera::new(self, view)?;
         let lit = Lit::new(self, &camera, lighting, look, light)?;
         let tracer = Tracer::new(self, camera);
-        picture(view, squares::pixels(view, progress, |_, area| lit.square(&camera, &tracer.square(area))))
+        picture(view, squares::pixels(view, progress, |_, area| lit.square(&camera, &tracer.square(area)))?)
     }
 }
 

@@ -2,6 +2,7 @@
 
 use std::sync::atomic::{AtomicUsize, Ordering};
 
+use flb_format::{Cancelled, Progress};
 use rayon::prelude::*;
 
 use super::View;
@@ -49,16 +50,16 @@ pub(super) fn number_of(view: &View, x: u32, y: u32) -> usize {
 /// What `work` makes of each square, by its number, in order. `progress` hears the share done, 0..=1, from any thread.
 pub(super) fn in_parallel<T: Send>(
     view: &View,
-    progress: &(dyn Fn(f64) + Sync),
+    progress: &Progress<'_>,
     work: impl Fn(usize, Area) -> T + Sync,
-) -> Vec<T> {
+) -> Result<Vec<T>, Cancelled> {
     let areas = areas(view);
     let done = AtomicUsize::new(0);
-    progress(0.0);
+    progress(0.0)?;
     let one = |(number, area): (usize, &Area)| {
         let made = work(number, *area);
-        progress((done.fetch_add(1, Ordering::Relaxed) + 1) as f64 / areas.len() as f64);
-        made
+        progress((done.fetch_add(1, Ordering::Relaxed) + 1) as f64 / areas.len() as f64)?;
+        Ok(made)
     };
     areas.par_iter().enumerate().map(one).collect()
 }
@@ -66,10 +67,10 @@ pub(super) fn in_parallel<T: Send>(
 /// The picture, `[y][x]`, of what `work` makes of the pixels of each square, row by row.
 pub(crate) fn pixels<T: Copy + Default + Send>(
     view: &View,
-    progress: &(dyn Fn(f64) + Sync),
+    progress: &Progress<'_>,
     work: impl Fn(usize, Area) -> Vec<T> + Sync,
-) -> Vec<T> {
-    let squares = in_parallel(view, progress, |number, area| (area, work(number, area)));
+) -> Result<Vec<T>, Cancelled> {
+    let squares = in_parallel(view, progress, |number, area| (area, work(number, area)))?;
     let width = view.width as usize;
     let mut pixels = vec![T::default(); width * view.height as usize];
     for (area, made) in squares {
@@ -78,5 +79,5 @@ pub(crate) fn pixels<T: Copy + Default + Send>(
             pixels[first..first + made.len()].copy_from_slice(made);
         }
     }
-    pixels
+    Ok(pixels)
 }

@@ -1,4 +1,4 @@
-use flb_format::{Placement, Transform};
+use flb_format::{Cancelled, Placement, Transform};
 use flb_scene::scene::Heights;
 use glam::{DMat3, Vec3};
 
@@ -44,8 +44,8 @@ fn dark(_: LightQuery, phi: &mut [f32; 3]) {
 }
 
 fn shoot(forest: &Forest, view: &View, daylight: &Setup) -> Picture {
-    let fragments = forest.trace(view, &|_| ()).unwrap();
-    forest.relight(&fragments, &daylight.lighting(), &daylight.look(), &dark, &|_| ()).unwrap()
+    let fragments = forest.trace(view, &|_| Ok(())).unwrap();
+    forest.relight(&fragments, &daylight.lighting(), &daylight.look(), &dark, &|_| Ok(())).unwrap()
 }
 
 fn forest<'a>(mesh: &'a Mesh, instances: &[Placement], ground: Option<Ground>) -> Forest<'a> {
@@ -102,6 +102,24 @@ fn a_stand_a_thousand_kilometres_off_looks_as_it_does_at_the_origin() {
 }
 
 #[test]
+fn a_picture_stops_when_it_is_told_to() {
+    let mesh = wall(material("wall", [1.0; 3]), vec![], 1.0);
+    let (forest, view, daylight) = (forest(&mesh, &[at_m([0.0; 3])], None), view([0.0; 3]), plain());
+    let asked = std::sync::atomic::AtomicU32::new(0);
+    // At the third question: 9 squares ask, and before them the whole.
+    let stop = |_| match asked.fetch_add(1, std::sync::atomic::Ordering::Relaxed) {
+        0 | 1 => Ok(()),
+        _ => Err(Cancelled),
+    };
+    let is_stopped = |error: Option<RenderError>| matches!(error, Some(RenderError::Cancelled(Cancelled)));
+    assert!(is_stopped(forest.trace(&view, &stop).err()));
+    let fragments = forest.trace(&view, &|_| Ok(())).unwrap();
+    asked.store(0, std::sync::atomic::Ordering::Relaxed);
+    let (lighting, look) = (daylight.lighting(), daylight.look());
+    assert!(is_stopped(forest.relight(&fragments, &lighting, &look, &dark, &stop).err()));
+}
+
+#[test]
 fn the_light_is_asked_for_at_the_instance_and_at_the_point_of_its_model() {
     let mesh = wall(material("wall", [1.0; 3]), vec![], 1.0);
     let instances = [
@@ -109,12 +127,13 @@ fn the_light_is_asked_for_at_the_instance_and_at_the_point_of_its_model() {
         Placement { species: 0, transform: Transform { scale: 0.5, ..at_m([1.5, 0.0, 0.0]).transform } },
     ];
     let forest = forest(&mesh, &instances, None);
-    let fragments = forest.trace(&view([0.0; 3]), &|_| ()).unwrap();
+    let fragments = forest.trace(&view([0.0; 3]), &|_| Ok(())).unwrap();
     let ask = |LightQuery { instance, point, .. }: LightQuery, phi: &mut [f32; 3]| {
         *phi = [instance as f32, point[0], point[1]]
     };
     let daylight = Setup { indirect: Indirect::Only, indirect_scale: 1.0, ..plain() };
-    let picture = forest.relight(&fragments, &daylight.lighting(), &daylight.look(), &ask, &|_| ()).unwrap();
+    let picture =
+        forest.relight(&fragments, &daylight.lighting(), &daylight.look(), &ask, &|_| Ok(())).unwrap();
     let half_m = 10.0 * libm::tan(15.0f64.to_radians());
     let middle = |x_m: f64| (16.5 * (1.0 + x_m / half_m)) as u32;
     let left = pixel(&picture, middle(-1.0), 16);
@@ -335,7 +354,7 @@ fn a_scene_that_cannot_be_is_refused_with_what_was_found() {
     }
     assert_eq!(refusal(&[], None), "the scene has no instances, so there is nothing to render");
     let stand = forest(&mesh, &[good], None);
-    let seen = |view: View| stand.trace(&view, &|_| ()).err().expect("it is refused").to_string();
+    let seen = |view: View| stand.trace(&view, &|_| Ok(())).err().expect("it is refused").to_string();
     let view = view([0.0; 3]);
     for (view, expected) in [
         (View { width: 0, ..view }, "`width` is 0, expected 1..=16384"),
@@ -356,11 +375,11 @@ fn a_scene_that_cannot_be_is_refused_with_what_was_found() {
         let message = seen(view);
         assert!(message.contains(expected), "{message} for {expected}");
     }
-    let fragments = stand.trace(&view, &|_| ()).unwrap();
+    let fragments = stand.trace(&view, &|_| Ok(())).unwrap();
     let lit = |daylight: Setup, phi: f32| {
         let light = move |_: LightQuery, out: &mut [f32; 3]| *out = [phi; 3];
         stand
-            .relight(&fragments, &daylight.lighting(), &daylight.look(), &light, &|_| ())
+            .relight(&fragments, &daylight.lighting(), &daylight.look(), &light, &|_| Ok(()))
             .expect_err("it is refused")
             .to_string()
     };
@@ -403,16 +422,17 @@ fn fragments_are_told_ray_by_ray_and_instances_can_be_changed() {
         }
         counts
     };
-    let one = stand.trace(&view, &|_| ()).unwrap();
+    let one = stand.trace(&view, &|_| Ok(())).unwrap();
     assert_eq!(counted(&one), one.counts());
     for (x, y, sample) in [(37, 0, 0), (0, 33, 0), (0, 0, 2)] {
         assert_eq!(one.at(x, y, sample), None);
     }
     stand.set_instances(&[at_m([1.5, 0.0, 0.0])]).unwrap();
     let fresh = forest(&mesh, &[at_m([1.5, 0.0, 0.0])], Some(ground));
-    let (moved, expected) = (stand.trace(&view, &|_| ()).unwrap(), fresh.trace(&view, &|_| ()).unwrap());
+    let (moved, expected) =
+        (stand.trace(&view, &|_| Ok(())).unwrap(), fresh.trace(&view, &|_| Ok(())).unwrap());
     assert_eq!(moved.at(25, 16, 0), expected.at(25, 16, 0));
     assert_ne!(moved.at(16, 16, 0), one.at(16, 16, 0));
     assert!(matches!(stand.set_instances(&[]), Err(RenderError::NoInstances)));
-    assert_eq!(stand.trace(&view, &|_| ()).unwrap().counts(), expected.counts());
+    assert_eq!(stand.trace(&view, &|_| Ok(())).unwrap().counts(), expected.counts());
 }

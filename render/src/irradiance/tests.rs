@@ -32,8 +32,9 @@ fn a_lit_wall_lights_a_floor_by_its_form_factor() {
     let factor = (1.0 - 1.0 / 5.0f64.sqrt()) / 2.0;
     let suns = [[1.0, 1.0, 0.0], [-1.0, 1.0, 0.0]];
     let floor = point(0, [0.0, 0.5]);
-    let found = irradiance((&mesh, &[Leaf, Wood]), surfaces([0.0; 2], 0.5), &[floor], &suns, 20_000, &|_| ())
-        .unwrap();
+    let found =
+        irradiance((&mesh, &[Leaf, Wood]), surfaces([0.0; 2], 0.5), &[floor], &suns, 20_000, &|_| Ok(()))
+            .unwrap();
     let [found] = &found[..] else { panic!("one point") };
     assert_eq!((found.class, found.material, found.normal), (Leaf, 0, [0.0, 1.0, 0.0]));
     let [up, down] = &found.sides;
@@ -61,7 +62,7 @@ fn a_white_plant_in_an_even_sky_gets_the_skys_light_everywhere() {
     let mut mesh = mesh;
     mesh.materials = mesh.materials.iter().map(|one| material(&one.name, [0.5; 3])).collect();
     let white = surfaces([0.5, 0.5], 1.0);
-    let found = irradiance((&mesh, &classes), white, &points, &[], 64, &|_| ()).unwrap();
+    let found = irradiance((&mesh, &classes), white, &points, &[], 64, &|_| Ok(())).unwrap();
     let sums = found.iter().flat_map(|point| &point.sides).map(|side| f64::from(side.sources[0].mean[0]));
     let mean = sums.sum::<f64>() / 80.0;
     // A path ends after 64 bounces at most, so a little is lost in the depths.
@@ -79,7 +80,7 @@ fn the_same_bytes_for_any_number_of_threads() {
             &points,
             &[[1.0, 1.0, 0.0]],
             16,
-            &|_| (),
+            &|_| Ok(()),
         )
         .unwrap()
     };
@@ -92,7 +93,9 @@ fn bad_input_is_named() {
     let mesh = ditch();
     let refusal = |point: SurfacePoint, sun: [f64; 3], samples| {
         let found =
-            irradiance((&mesh, &[Leaf, Wood]), surfaces([0.3, 0.3], 0.5), &[point], &[sun], samples, &|_| ());
+            irradiance((&mesh, &[Leaf, Wood]), surfaces([0.3, 0.3], 0.5), &[point], &[sun], samples, &|_| {
+                Ok(())
+            });
         found.unwrap_err().to_string()
     };
     let up = [0.0, 1.0, 0.0];

@@ -55,7 +55,7 @@ fn library(fields: &SpeciesFields, codec: Codec) -> Arc<Library> {
     if codec.is_near_geometry() {
         return plants::library(std::slice::from_ref(fields), codec);
     }
-    let encoded = encode_species(fields, &EncodeSettings { codec, ..EncodeSettings::default() }, &|_| {});
+    let encoded = encode_species(fields, &EncodeSettings { codec, ..EncodeSettings::default() }, &|_| Ok(()));
     let mut bytes = Vec::new();
     write_library_to(&mut bytes, &[&encoded.expect("good fields")]).expect("memory takes it");
     Arc::new(Library::from_source("plants.flb", Box::new(bytes)).expect("it opens"))

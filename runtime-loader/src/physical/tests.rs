@@ -80,7 +80,7 @@ fn fields(suns: &SunBasis) -> SpeciesFields {
 
 fn library(fields: &SpeciesFields, codec: Codec) -> Library {
     let settings = EncodeSettings { codec, ..EncodeSettings::papers() };
-    let encoded = encode_species(fields, &settings, &|_| {}).expect("it encodes");
+    let encoded = encode_species(fields, &settings, &|_| Ok(())).expect("it encodes");
     let mut bytes = Vec::new();
     write_library_to(&mut bytes, &[&encoded]).expect("it fits");
     Library::from_source("oak.flb", Box::new(bytes)).expect("it opens")

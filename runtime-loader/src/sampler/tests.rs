@@ -58,7 +58,7 @@ fn fields(bands: u32, bases: &[u8]) -> SpeciesFields {
 fn library(fields: &SpeciesFields, codec: Codec) -> Library {
     // Small pages, so that a base has several.
     let settings = EncodeSettings { codec, compress: true, page_bytes: 20_480, ..EncodeSettings::papers() };
-    let encoded = encode_species(fields, &settings, &|_| {}).unwrap();
+    let encoded = encode_species(fields, &settings, &|_| Ok(())).unwrap();
     let mut bytes = Vec::new();
     write_library_to(&mut bytes, &[&encoded]).unwrap();
     Library::from_source("oak.flb", Box::new(bytes)).unwrap()
@@ -211,7 +211,7 @@ fn only_what_was_asked_for_is_loaded() {
 #[test]
 fn a_page_with_a_flipped_bit_is_refused_at_loading() {
     let settings = EncodeSettings { page_bytes: 20_480, ..EncodeSettings::papers() };
-    let encoded = encode_species(&fields(3, &[1, 2]), &settings, &|_| {}).unwrap();
+    let encoded = encode_species(&fields(3, &[1, 2]), &settings, &|_| Ok(())).unwrap();
     let mut bytes = Vec::new();
     write_library_to(&mut bytes, &[&encoded]).unwrap();
     let intact = Library::from_source("oak.flb", Box::new(bytes.clone())).unwrap();
@@ -226,7 +226,7 @@ fn a_page_with_a_flipped_bit_is_refused_at_loading() {
 
 #[test]
 fn mapped_and_positioned_libraries_give_the_same_light() {
-    let encoded = encode_species(&fields(3, &[1]), &EncodeSettings::papers(), &|_| {}).unwrap();
+    let encoded = encode_species(&fields(3, &[1]), &EncodeSettings::papers(), &|_| Ok(())).unwrap();
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("oak.flb");
     write_library_to(&mut std::fs::File::create(&path).unwrap(), &[&encoded]).unwrap();

@@ -43,7 +43,7 @@ pub(crate) fn forest(names: &[&str], lattice: u32, seed: u32) -> Vec<u8> {
             bases: BASES.iter().map(|&base| (base, field(lattice, base, seed + number))).collect(),
         };
         let settings = EncodeSettings { codec: Codec::RawF32, ..EncodeSettings::papers() };
-        encode_species(&fields, &settings, &|_| {}).expect("these are good fields")
+        encode_species(&fields, &settings, &|_| Ok(())).expect("these are good fields")
     };
     let coded: Vec<_> = (0..).zip(names).map(species).collect();
     let mut bytes = Vec::new();

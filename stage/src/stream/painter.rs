@@ -245,7 +245,7 @@ impl<'s> Painter<'s> {
                 turn(&mut self.neighbours, &lighting)?;
                 let mut camera = std::mem::take(&mut self.camera);
                 let forest = &self.forest;
-                let fragments = camera.fragments(&view, || forest.trace(&view, &|_| ()))?;
+                let fragments = camera.fragments(&view, || forest.trace(&view, &|_| Ok(())))?;
                 let traced = start.elapsed().as_secs_f64();
                 let picture = self.lit(fragments, shot, (&lighting, &look));
                 self.camera = camera;
@@ -395,7 +395,7 @@ impl<'s> Painter<'s> {
         let now = light::of_plants(&lights, skies, placements, lighting, shade, rays)?;
         let cursors = LightCursors::new(&now);
         let relit = |light: &LightFn<'_>| {
-            self.forest.relight(fragments, lighting, look, light, &|_| ()).map_err(StageError::from)
+            self.forest.relight(fragments, lighting, look, light, &|_| Ok(())).map_err(StageError::from)
         };
         let species = |instance: u32| resident[placements[instance as usize].species];
         match shot.show {

@@ -118,7 +118,8 @@ pub(crate) fn zfp(plant: &Plant, psnr_db: f64) -> Option<f64> {
     let folder = tempfile::tempdir().expect("a temporary folder");
     let path = folder.path().join("fields.flb");
     let settings = EncodeSettings { codec: Codec::RawF32, ..EncodeSettings::papers() };
-    let coded = encode_species(&plant.fields, &settings, &|_| {}).expect("fields that were solved or read");
+    let coded =
+        encode_species(&plant.fields, &settings, &|_| Ok(())).expect("fields that were solved or read");
     write_library(&path, &[&coded], false).expect("the temporary folder is writable");
     let script = concat!(env!("CARGO_MANIFEST_DIR"), "/zfp/compare.py");
     let run = std::process::Command::new(python)

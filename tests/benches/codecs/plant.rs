@@ -35,10 +35,10 @@ pub(crate) fn oak(lattice: u32) -> Plant {
     let classified = classify(&mesh, &ClassRules::default()).expect("the fixtures' names are known");
     let classes: Vec<MaterialClass> = classified.iter().map(|c| c.class).collect();
     let settings = VoxelSettings { voxels: 1024, lattice, ignore_alpha: false };
-    let occupancy = voxelise(&mesh, &classes, &settings, &|_| {}).expect("a plant has triangles");
+    let occupancy = voxelise(&mesh, &classes, &settings, &|_| Ok(())).expect("a plant has triangles");
     let medium = downsample(&occupancy).expect("an occupancy of voxelise downsamples");
     let settings = SolveSettings::default();
-    let solution = solve(&medium, &Optics::paper(), &settings, &|_| {}).expect("the medium is valid");
+    let solution = solve(&medium, &Optics::paper(), &settings, &|_| Ok(())).expect("the medium is valid");
     let meta = species_meta(kind.name(), &mesh, &classes, &medium);
     Plant::new(SpeciesFields { meta, medium, turbid: None, bases: solution.bases })
 }

@@ -27,8 +27,8 @@ pub(crate) fn relit_and_traced(bake: &DefaultBake, towards_sun: [f64; 3]) -> [Pi
     let plant = Species { mesh, classes, shading: Shading::Physical(bake.surfaces()) };
     let portrait = Portrait { width: 96, height: 96, samples: 8, has_ground: false, ..Portrait::default() };
     let look = Look { has_sky: false, ..Look::default() };
-    let relit = render_plant(&plant, &portrait, &lighting, &look, &at, &|_| {}).expect("a plant renders");
-    let traced = render_reference(&plant, &portrait, &lighting, &look, &|_| {}).expect("a plant renders");
+    let relit = render_plant(&plant, &portrait, &lighting, &look, &at, &|_| Ok(())).expect("a plant renders");
+    let traced = render_reference(&plant, &portrait, &lighting, &look, &|_| Ok(())).expect("a plant renders");
     [relit, traced.picture]
 }
 

@@ -218,10 +218,11 @@ fn pictures_are_golden() {
         let fluence = |query: LightQuery, phi: &mut [f32; 3]| light.fluence(&sun, 1.0, SKY, query.point, phi);
         let (mesh, classes) = (&plant.mesh.mesh, &plant.mesh.classes);
         let plant = Species { mesh, classes, shading: Shading::Physical(SURFACES) };
-        let relit =
-            render_plant(&plant, &portrait, &lighting, &look, &fluence, &|_| {}).expect("a plant renders");
-        let traced =
-            render_reference(&plant, &portrait, &lighting, &look, &|_| {}).expect("a plant renders").picture;
+        let relit = render_plant(&plant, &portrait, &lighting, &look, &fluence, &|_| Ok(()))
+            .expect("a plant renders");
+        let traced = render_reference(&plant, &portrait, &lighting, &look, &|_| Ok(()))
+            .expect("a plant renders")
+            .picture;
         format!("\n{}{}", describe::values("relit", &relit.rgb), describe::values("path traced", &traced.rgb))
     };
     insta::assert_snapshot!("pictures", of_all(picture));
@@ -311,7 +312,7 @@ fn forests_over_water_are_golden() {
     let look_at_m = camera.look_at_m.as_ref().expect("it looks at something")[0];
     let eye = Eye { position_m: camera.path_m[0], look_at_m, fov_deg: camera.fov_deg };
     let view = View { eye, width: 48, height: camera.height_px, samples: 4, sky_rays: 4 };
-    let fragments = forest.trace(&view, &|_| {}).expect("a view");
+    let fragments = forest.trace(&view, &|_| Ok(())).expect("a view");
     let counts = fragments.counts();
     assert!(counts[0] > 200 && counts[3] > 200, "plants and water are seen: {counts:?}");
 
@@ -329,7 +330,7 @@ fn forests_over_water_are_golden() {
         let lit: Vec<_> = lit.collect();
         let light = |query: LightQuery, phi: &mut [f32; 3]| lit[query.instance as usize].at(query.point, phi);
         let picture = forest
-            .relight(&fragments, &Lighting::of(daylight), &Look::default(), &light, &|_| {})
+            .relight(&fragments, &Lighting::of(daylight), &Look::default(), &light, &|_| Ok(()))
             .expect("finite light");
         text += &describe::values(&format!("sun {azimuth},{elevation}"), &picture.rgb);
     }

@@ -48,14 +48,14 @@ fn a_shuffled_mesh_gives_the_same_medium() {
         mesh.triangles[last].rotate_left(last % 3);
     }
     assert_ne!(mesh.triangles, baked.mesh.triangles);
-    let occupancy = voxelise(&mesh, &baked.classes(), &voxel_settings(&recipe), &|_| {})
+    let occupancy = voxelise(&mesh, &baked.classes(), &voxel_settings(&recipe), &|_| Ok(()))
         .expect("the mesh is the same plant");
     assert!(occupancy == baked.occupancy);
     assert!(downsample(&occupancy).expect("an occupancy of voxelise downsamples") == baked.medium);
     // Planted: one triangle less is another plant.
     mesh.triangles.pop();
     mesh.triangle_material.pop();
-    let occupancy =
-        voxelise(&mesh, &baked.classes(), &voxel_settings(&recipe), &|_| {}).expect("nearly the same plant");
+    let occupancy = voxelise(&mesh, &baked.classes(), &voxel_settings(&recipe), &|_| Ok(()))
+        .expect("nearly the same plant");
     assert!(occupancy != baked.occupancy);
 }

@@ -269,7 +269,7 @@ fn a_plant_behind_a_row_is_as_dark_as_monte_carlo_says() {
     let settings = Settings { photons: 1 << 19, ..Settings::default() };
     let of_sun = Illumination::Sun(towards);
     let traced =
-        trace(&merged, &scatter(&stand.kinds[0].surfaces), of_sun, &settings, &|_| ()).expect("light");
+        trace(&merged, &scatter(&stand.kinds[0].surfaces), of_sun, &settings, &|_| Ok(())).expect("light");
     let mut truth = vec![[0.0; 2]; merged.grid.sites()];
     for (site, light) in merged.sites().into_iter().zip(&traced.scattered) {
         truth[site as usize][0] = *light as f32;

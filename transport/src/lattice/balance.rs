@@ -55,7 +55,7 @@ pub fn balances(
     let mut balances = Vec::new();
     for group in targets.chunks(LANES) {
         let mut states = sweep::dark(&sites, group);
-        sweep::relax(&sites, optics, group, settings, &mut states, &|_, _| {});
+        sweep::relax(&sites, optics, group, settings, &mut states, &|_, _| Ok(()))?;
         let Some(state) = states.first() else { continue };
         for (lane, target) in group.iter().enumerate() {
             let leaf = optics.bands[target.band as usize].leaf;

@@ -1,6 +1,6 @@
 //! What a solve refuses, and why.
 
-use flb_format::Class;
+use flb_format::{Cancelled, Class};
 use thiserror::Error;
 
 /// Input that cannot be solved.
@@ -106,6 +106,9 @@ pub enum SolveError {
     /// The solver on the GPU cannot do it.
     #[error(transparent)]
     Gpu(#[from] GpuError),
+    /// The caller stopped the work.
+    #[error(transparent)]
+    Cancelled(#[from] Cancelled),
 }
 
 /// Reason why there is no solution from a GPU.

@@ -8,7 +8,7 @@ mod light;
 mod matter;
 
 use flb_format::direction::MOVING;
-use flb_format::{Field, Medium, Optics};
+use flb_format::{Cancelled, Field, Medium, Optics, Progress};
 
 use super::collision;
 use super::course::{CROSSINGS, Course, TREND_SPAN};
@@ -27,8 +27,8 @@ pub(super) fn solve(
     medium: &Medium,
     optics: &Optics,
     settings: &SolveSettings,
-    progress: &(dyn Fn(f64) + Sync),
-) -> Solution {
+    progress: &Progress<'_>,
+) -> Result<Solution, Cancelled> {
     let bands = optics.bands.len() as u32;
     let sites = medium.grid.sites();
     let mut matter = SiteList::new(medium);
@@ -39,7 +39,7 @@ pub(super) fn solve(
         let mut field = Field::zeros(medium.grid.lattice, bands);
         for (band, of_band) in optics.bands.iter().enumerate() {
             let done = at * bands as usize + band;
-            progress(done as f64 / (solved.len() * bands as usize) as f64);
+            progress(done as f64 / (solved.len() * bands as usize) as f64)?;
             let gains = collision::gains(of_band).map(|gain| Gain::new(&[gain; LANES]));
             light.darken(base);
             matter.darken();
@@ -53,7 +53,7 @@ pub(super) fn solve(
         }
         others.push((base, field));
     }
-    finish(medium, bands, settings, others, reports)
+    Ok(finish(medium, bands, settings, others, reports))
 }
 
 /// Iterates until the residual is below the tolerance or no iteration is left.

@@ -101,7 +101,7 @@ pub fn run(case: &Case) -> Outcome {
 fn measure(case: &Case) -> Result<Measured, SolveError> {
     let Case { medium, optics, .. } = case;
     let settings = SolveSettings::default();
-    let solution = solve(medium, optics, &settings, &|_| {})?;
+    let solution = solve(medium, optics, &settings, &|_| Ok(()))?;
     let reports = &solution.reports;
     let largest = |of: &dyn Fn(&super::BaseReport) -> f64| reports.iter().map(of).fold(0.0, f64::max);
     let mut measured = Measured {

@@ -18,11 +18,11 @@ mod tests;
 #[cfg(test)]
 mod twin;
 
-use flb_format::{Field, Medium, Optics};
+use flb_format::{Field, Medium, Optics, Progress};
 use rayon::prelude::*;
 
 use super::dense::{self, Output};
-use super::error::GpuError;
+use super::error::{GpuError, SolveError};
 use super::kernel::{LANES, Lanes};
 use super::sites::{self, Sites};
 use super::sweep::{self, LANES_WRITTEN, Meter};
@@ -43,8 +43,8 @@ pub(super) fn solve(
     medium: &Medium,
     optics: &Optics,
     settings: &SolveSettings,
-    progress: &(dyn Fn(f64) + Sync),
-) -> Result<Solution, GpuError> {
+    progress: &Progress<'_>,
+) -> Result<Solution, SolveError> {
     let gpu = device::open()?;
     solve_on(&gpu, gpu.opened.largest_buffer_bytes(), medium, optics, settings, progress)
 }
@@ -56,8 +56,8 @@ fn solve_on(
     medium: &Medium,
     optics: &Optics,
     settings: &SolveSettings,
-    progress: &(dyn Fn(f64) + Sync),
-) -> Result<Solution, GpuError> {
+    progress: &Progress<'_>,
+) -> Result<Solution, SolveError> {
     let bands = optics.bands.len() as u32;
     // One domain: cuts serve threads of a CPU.
     let sites = sites::find(medium, usize::MAX);
@@ -72,7 +72,7 @@ fn solve_on(
     let per_group = targets.len().div_ceil(groups);
     for (group, targets) in targets.chunks_mut(per_group).enumerate() {
         let tick = |residual: f64, iterations: u32| {
-            meter.tick(group, residual, f64::from(iterations) / f64::from(settings.max_sweeps));
+            meter.tick(group, residual, f64::from(iterations) / f64::from(settings.max_sweeps))
         };
         let lanes: Vec<(u8, u32)> = targets.iter().map(|target| (target.base, target.band)).collect();
         let (light, courses) = relax::relax(gpu, &matter, &sites, optics, &lanes, settings, &tick)?;

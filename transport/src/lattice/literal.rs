@@ -4,7 +4,7 @@
 //! Steele 2009, eq. 2.12 and listing 5.1, without its clamp (lighting model, section 4).
 
 use flb_format::direction::DIRECTIONS;
-use flb_format::{Class, Field, Medium, Optics};
+use flb_format::{Cancelled, Class, Field, Medium, Optics, Progress};
 use rayon::prelude::*;
 
 use super::collision::{self, Matrix};
@@ -49,8 +49,8 @@ pub(super) fn solve(
     medium: &Medium,
     optics: &Optics,
     settings: &SolveSettings,
-    progress: &(dyn Fn(f64) + Sync),
-) -> Solution {
+    progress: &Progress<'_>,
+) -> Result<Solution, Cancelled> {
     let bands = optics.bands.len() as u32;
     let solved = solved_bases(settings);
     let total = (bands as usize * solved.len()) as f64;
@@ -59,7 +59,7 @@ pub(super) fn solve(
     for (at, base) in solved.iter().enumerate() {
         let mut field = Field::zeros(medium.grid.lattice, bands);
         for band in 0..bands {
-            progress((at as f64 * f64::from(bands) + f64::from(band)) / total);
+            progress((at as f64 * f64::from(bands) + f64::from(band)) / total)?;
             let until = Until::Count(2 * medium.grid.lattice);
             let literal = iterate(medium, optics, band, &boundary_of_base(base), until);
             let values = field.values[band as usize * medium.grid.sites()..].iter_mut();
@@ -68,7 +68,7 @@ pub(super) fn solve(
         }
         others.push((base, field));
     }
-    finish(medium, bands, settings, others, reports)
+    Ok(finish(medium, bands, settings, others, reports))
 }
 
 /// Iterates one boundary light in one band from darkness. `medium` and `optics` as

@@ -8,7 +8,7 @@
 use std::sync::Mutex;
 
 use flb_format::direction::{MOVING, opposite};
-use flb_format::{Field, Medium, Optics};
+use flb_format::{Cancelled, Field, Medium, Optics, Progress};
 use prefetch_index::prefetch_index;
 use rayon::prelude::*;
 
@@ -57,8 +57,8 @@ pub(super) fn solve(
     optics: &Optics,
     settings: &SolveSettings,
     domain_sites: usize,
-    progress: &(dyn Fn(f64) + Sync),
-) -> Solution {
+    progress: &Progress<'_>,
+) -> Result<Solution, Cancelled> {
     let bands = optics.bands.len() as u32;
     let sites = sites::find(medium, domain_sites);
     let mut fields: Vec<(u8, Field)> =
@@ -77,9 +77,9 @@ pub(super) fn solve(
         let first_steps: Vec<usize> = first_steps.collect();
         let of_wave = wave.par_iter_mut().zip(first_steps);
         let of_wave = of_wave.map(|(group, step)| solve_group(&sites, optics, settings, group, step, &meter));
-        reports.extend(of_wave.collect::<Vec<_>>().into_iter().flatten());
+        reports.extend(of_wave.collect::<Result<Vec<_>, Cancelled>>()?.into_iter().flatten());
     }
-    finish(medium, bands, settings, fields, reports)
+    Ok(finish(medium, bands, settings, fields, reports))
 }
 
 /// Solves and writes the steps of a group, each from the light of the one before.
@@ -90,15 +90,15 @@ fn solve_group(
     group: &mut SolveGroup,
     first_step: usize,
     meter: &Meter,
-) -> Vec<BaseReport> {
-    let Some(targets) = group.steps.first() else { return Vec::new() };
+) -> Result<Vec<BaseReport>, Cancelled> {
+    let Some(targets) = group.steps.first() else { return Ok(Vec::new()) };
     let mut states = dark(sites, targets);
     let mut reports = Vec::new();
     for (step, targets) in group.steps.iter_mut().enumerate() {
         let tick = |expected: f64, sweeps: u32| {
-            meter.tick(first_step + step, expected, f64::from(sweeps) / f64::from(settings.max_sweeps));
+            meter.tick(first_step + step, expected, f64::from(sweeps) / f64::from(settings.max_sweeps))
         };
-        let courses = relax(sites, optics, targets, settings, &mut states, &tick);
+        let courses = relax(sites, optics, targets, settings, &mut states, &tick)?;
         let rows: Vec<&[Lanes]> = states.iter().map(|state| &state.rows[..]).collect();
         let mut outputs: Vec<Output> = targets
             .iter_mut()
@@ -109,7 +109,7 @@ fn solve_group(
         let of_step = targets.iter().zip(courses);
         reports.extend(of_step.map(|(target, course)| course.report(target.base, target.band, settings)));
     }
-    reports
+    Ok(reports)
 }
 
 /// Bands in order, bases inside.
@@ -148,8 +148,8 @@ pub(super) fn relax(
     targets: &[Target],
     settings: &SolveSettings,
     states: &mut [State],
-    tick: &(dyn Fn(f64, u32) + Sync),
-) -> Vec<Course> {
+    tick: &dyn Fn(f64, u32) -> Result<(), Cancelled>,
+) -> Result<Vec<Course>, Cancelled> {
     let gains = gains(optics, targets);
     let mut courses = vec![Course::default(); targets.len()];
     let mut mixing: Option<Mixing> = None;
@@ -170,7 +170,7 @@ pub(super) fn relax(
             }
         }
         mixed = false;
-        tick(courses.iter().map(Course::error_estimate).fold(0.0, f64::max), sweep + 1);
+        tick(courses.iter().map(Course::error_estimate).fold(0.0, f64::max), sweep + 1)?;
         if courses.iter().all(|course| course.is_over(settings)) {
             break;
         }
@@ -185,7 +185,7 @@ pub(super) fn relax(
             }
         }
     }
-    courses
+    Ok(courses)
 }
 
 /// No light but that of the boundary.
@@ -342,25 +342,26 @@ fn exchange(domains: &[Domain], states: &mut [State]) {
 /// Progress of all groups together, reported only when it grows.
 pub(super) struct Meter<'a> {
     tolerance: f64,
-    progress: &'a (dyn Fn(f64) + Sync),
+    progress: &'a Progress<'a>,
     /// Per group, and what was reported last.
     done: Mutex<(Vec<f64>, f64)>,
 }
 
-impl Meter<'_> {
-    pub(super) fn new(groups: usize, tolerance: f64, progress: &(dyn Fn(f64) + Sync)) -> Meter<'_> {
+impl<'a> Meter<'a> {
+    pub(super) fn new(groups: usize, tolerance: f64, progress: &'a Progress<'a>) -> Meter<'a> {
         Meter { tolerance, progress, done: Mutex::new((vec![0.0; groups], 0.0)) }
     }
 
     /// The residual falls by about a constant factor per sweep, so its logarithm tells how far a group is.
-    pub(super) fn tick(&self, group: usize, residual: f64, spent: f64) {
+    pub(super) fn tick(&self, group: usize, residual: f64, spent: f64) -> Result<(), Cancelled> {
         let fallen = if residual > 0.0 { libm::log(residual) / libm::log(self.tolerance) } else { 1.0 };
-        let Ok(mut done) = self.done.lock() else { return };
+        let Ok(mut done) = self.done.lock() else { return Ok(()) };
         done.0[group] = fallen.max(spent).clamp(done.0[group], 1.0);
         let share = done.0.iter().sum::<f64>() / done.0.len() as f64;
         if share > done.1 + 0.001 {
             done.1 = share;
-            (self.progress)(share.min(1.0));
+            (self.progress)(share.min(1.0))?;
         }
+        Ok(())
     }
 }

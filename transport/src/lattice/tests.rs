@@ -4,7 +4,7 @@ mod laws;
 mod refusals;
 mod suns;
 
-use flb_format::{BaseSet, Class, ClassOptics, Medium, Optics};
+use flb_format::{BaseSet, Cancelled, Class, ClassOptics, Medium, Optics};
 
 use super::literal::{self, Until, boundary_of_base};
 use super::{Solution, SolveSettings, SolverKind, media, solve, sweep};
@@ -15,7 +15,9 @@ const F32_RELATIVE: f64 = 2e-5;
 /// Small enough that rounding, not the stopping rule, is what remains.
 const TIGHT: f64 = 1e-7;
 
-fn quiet(_: f64) {}
+fn quiet(_: f64) -> Result<(), Cancelled> {
+    Ok(())
+}
 
 fn tight() -> SolveSettings {
     SolveSettings { tolerance: TIGHT, ..SolveSettings::default() }
@@ -186,7 +188,7 @@ fn several_domains_reach_the_fixed_point_of_one() {
     let medium = media::tree(32, 6);
     let optics = one_band(2);
     let one = solved(&medium, &optics);
-    let several = sweep::solve(&medium, &optics, &tight(), FEW_SITES, &quiet);
+    let several = sweep::solve(&medium, &optics, &tight(), FEW_SITES, &quiet).unwrap();
     for (a, b) in several.bases.iter().zip(&one.bases) {
         let expected: Vec<f64> = b.1.values.iter().map(|v| f64::from(*v)).collect();
         let (worst, rms) = differences(&medium, &a.1.values, &expected);
@@ -257,7 +259,10 @@ const PINNED: [(u8, u32, [f64; 2]); 3] = [
 #[test]
 fn progress_never_falls_and_ends_at_one() {
     let seen = std::sync::Mutex::new(vec![]);
-    let note = |share: f64| seen.lock().unwrap().push(share);
+    let note = |share: f64| {
+        seen.lock().unwrap().push(share);
+        Ok(())
+    };
     solve(&media::tree(32, 5), &Optics::paper(), &SolveSettings::default(), &note).unwrap();
     let seen = seen.into_inner().unwrap();
     assert!(seen.windows(2).all(|pair| pair[0] <= pair[1]), "{seen:?}");

@@ -32,7 +32,7 @@ pub fn uncollided(
     let beam = Beam::new(&sites, direction, medium.angles.relative(direction.y), rays_per_site_edge);
     let rows = beam.rows[0].end - beam.rows[0].start;
     let bound = |part: usize| beam.rows[0].start + rows * part as i64 / PARTS as i64;
-    Ok(means(&sites, PARTS, |part, sums| beam.add(bound(part)..bound(part + 1), sums)))
+    means(&sites, PARTS, |part, sums| beam.add(bound(part)..bound(part + 1), sums))
 }
 
 /// Returns the uncollided light from everywhere, below the plant too, of fluence 1 in empty space: the mean of
@@ -41,10 +41,10 @@ pub fn uncollided_sky(medium: &TurbidMedium, rays_per_site_edge: u32) -> Result<
     check::medium(medium)?;
     check::rays(rays_per_site_edge)?;
     let sites = Sites::new(medium, [false; 3]);
-    Ok(sky(&sites, &medium.angles, rays_per_site_edge.div_ceil(4)))
+    sky(&sites, &medium.angles, rays_per_site_edge.div_ceil(4))
 }
 
-fn sky(sites: &Sites, angles: &LeafAngles, rays: u32) -> Vec<f64> {
+fn sky(sites: &Sites, angles: &LeafAngles, rays: u32) -> Result<Vec<f64>, MonteCarloError> {
     let add = |part: usize, sums: &mut [[f64; 2]]| {
         for i in (part..SKY_DIRECTIONS).step_by(PARTS) {
             let direction = fibonacci(i, SKY_DIRECTIONS);
@@ -64,19 +64,23 @@ fn fibonacci(i: usize, count: usize) -> DVec3 {
 }
 
 /// `add` sums light times length, and length, per site; the quotient is the mean.
-fn means(sites: &Sites, parts: usize, add: impl Fn(usize, &mut [[f64; 2]]) + Sync) -> Vec<f64> {
+fn means(
+    sites: &Sites,
+    parts: usize,
+    add: impl Fn(usize, &mut [[f64; 2]]) + Sync,
+) -> Result<Vec<f64>, MonteCarloError> {
     let mut sums = vec![[0.0; 2]; sites.matter.len()];
     let run = |part| {
         let mut sums = vec![[0.0; 2]; sites.matter.len()];
         add(part, &mut sums);
-        sums
+        Ok(sums)
     };
-    in_order(parts, &|_| (), run, |part: Vec<[f64; 2]>| {
+    in_order(parts, &|_| Ok(()), run, |part: Vec<[f64; 2]>| {
         for (sum, part) in sums.iter_mut().zip(part) {
             *sum = [sum[0] + part[0], sum[1] + part[1]];
         }
-    });
-    sums.into_iter().map(|[light, length]| light / length).collect()
+    })?;
+    Ok(sums.into_iter().map(|[light, length]| light / length).collect())
 }
 
 /// Parallel rays on a regular grid in the plane of the side that faces the light most: whatever their slope, they cross

@@ -1,5 +1,6 @@
 //! What the Monte Carlo reference refuses, and why.
 
+use flb_format::Cancelled;
 use thiserror::Error;
 
 /// Input that no light can be traced in.
@@ -131,4 +132,7 @@ pub enum MonteCarloError {
         /// The mean.
         found: f64,
     },
+    /// The caller stopped the work.
+    #[error(transparent)]
+    Cancelled(#[from] Cancelled),
 }

@@ -2,8 +2,8 @@
 //! two seeds, and the fields are held against them as a renderer evaluates them. The gates (`benches/gates.rs`), `flb
 //! bake --monte-carlo` and `flb trade` all ask here.
 
-use flb_format::FieldKind;
 use flb_format::beam::{BEAM_RAYS, Near, NearBeam};
+use flb_format::{FieldKind, Progress};
 
 use super::{
     ComparedLight, Difference, Fluence, Illumination, MonteCarloError, Settings, compare, trace_with,
@@ -84,7 +84,7 @@ impl Truth {
         albedos: Option<&[SiteAlbedos]>,
         towards_sun: [f64; 3],
         photons: u64,
-        progress: &(dyn Fn(f64) + Sync),
+        progress: &Progress<'_>,
     ) -> Result<Truth, MonteCarloError> {
         let runs = 2.0 * bands.len() as f64;
         let of_seed = |band: usize, seed: u64| {
@@ -93,7 +93,7 @@ impl Truth {
             let albedos = albedos.map(|albedos| albedos[band].as_slice());
             trace_with(medium, &bands[band], albedos, Illumination::Sun(towards_sun), &settings, &part)
         };
-        let of_band = |band: usize| Ok([of_seed(band, 1)?, of_seed(band, 2)?]);
+        let of_band = |band: usize| Ok::<_, MonteCarloError>([of_seed(band, 1)?, of_seed(band, 2)?]);
         let estimates = (0..bands.len()).map(of_band).collect::<Result<_, _>>()?;
         let near = near.iter().map(|near| near.beam(towards_sun, BEAM_RAYS)).collect();
         Ok(Truth { towards_sun, estimates, near })

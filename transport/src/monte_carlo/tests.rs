@@ -5,7 +5,7 @@ mod judged;
 mod laws;
 mod refusals;
 
-use flb_format::Grid;
+use flb_format::{Cancelled, Grid};
 
 use super::*;
 use crate::turbid::{BandScatter, LeafAngles, Phase, Scatter, TurbidMedium};
@@ -60,7 +60,9 @@ fn photons(photons: u64) -> Settings {
     Settings { photons, ..Settings::default() }
 }
 
-fn quiet(_: f64) {}
+fn quiet(_: f64) -> Result<(), Cancelled> {
+    Ok(())
+}
 
 fn mean(values: &[f64]) -> f64 {
     values.iter().sum::<f64>() / values.len() as f64

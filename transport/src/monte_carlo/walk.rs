@@ -3,6 +3,7 @@
 mod delta;
 mod sums;
 
+use flb_format::Progress;
 use glam::DVec3;
 
 use super::draw::Draw;
@@ -38,7 +39,7 @@ pub(super) fn scattered(
     albedos: Option<&[[f32; 2]]>,
     light: Illumination,
     settings: &Settings,
-    progress: &(dyn Fn(f64) + Sync),
+    progress: &Progress<'_>,
 ) -> Result<Walked, MonteCarloError> {
     let light = match light {
         Illumination::Sun(toward) => Illumination::Sun(check::direction(toward)?),
@@ -61,12 +62,8 @@ pub(super) fn scattered(
         Ok(walk.tally)
     };
     let mut sums = Sums::new(sites.matter.len(), photons as f64);
-    let mut failure = None;
-    in_order(BATCHES, progress, run, |tally| match tally {
-        Ok(tally) => sums.add(tally),
-        Err(error) => failure = failure.take().or(Some(error)),
-    });
-    failure.map_or_else(|| Ok(sums.finish()), Err)
+    in_order(BATCHES, progress, run, |tally| sums.add(tally))?;
+    Ok(sums.finish())
 }
 
 /// What one batch of photons left behind.

@@ -1,8 +1,8 @@
 //! What can be wrong with the input of a solve.
 
-use flb_format::BaseSet;
 use flb_format::sun::harmonics::MAX_DEGREE;
 use flb_format::turbid::TurbidMedium;
+use flb_format::{BaseSet, Cancelled};
 
 use super::{MAX_RAYS, OrdinatesSettings, SunBasis, Surroundings};
 use crate::turbid::BandScatter;
@@ -64,6 +64,9 @@ pub enum OrdinatesError {
         /// The range.
         expected: &'static str,
     },
+    /// The caller stopped the work.
+    #[error(transparent)]
+    Cancelled(#[from] Cancelled),
 }
 
 pub(super) fn check(

@@ -4,6 +4,7 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 
 use flb_format::beam::Beam;
 use flb_format::turbid::TurbidMedium;
+use flb_format::{Cancelled, Progress};
 use rayon::prelude::*;
 
 use super::OrdinatesSettings;
@@ -128,8 +129,8 @@ pub(super) fn scatter(
     beams: &[&Beam],
     below: f32,
     settings: &OrdinatesSettings,
-    progress: &(dyn Fn(f64) + Sync),
-) -> Vec<Lit> {
+    progress: &Progress<'_>,
+) -> Result<Vec<Lit>, Cancelled> {
     // The sky goes with the last suns, or by itself where they fill their lanes.
     let mut groups: Vec<&[&Beam]> = beams.chunks(LANES).collect();
     if settings.sky() && beams.len().is_multiple_of(LANES) {
@@ -139,7 +140,7 @@ pub(super) fn scatter(
     let work: Vec<(&[usize], usize)> =
         sets.iter().flat_map(|set| (0..groups.len()).map(move |group| (set.as_slice(), group))).collect();
     let done = AtomicUsize::new(0);
-    let made: Vec<Vec<Lit>> = work
+    let made = work
         .par_iter()
         .map(|&(set, group)| {
             let sky = (settings.sky() && group + 1 == groups.len()).then_some(below);
@@ -149,10 +150,10 @@ pub(super) fn scatter(
                 4 => of_bands::<4>(march, &set, groups[group], sky, settings),
                 _ => of_bands::<9>(march, &set, groups[group], sky, settings),
             };
-            progress((done.fetch_add(1, Ordering::Relaxed) + 1) as f64 / work.len() as f64);
-            lit
+            progress((done.fetch_add(1, Ordering::Relaxed) + 1) as f64 / work.len() as f64)?;
+            Ok(lit)
         })
-        .collect();
+        .collect::<Result<Vec<Vec<Lit>>, Cancelled>>()?;
     // Groups of each band in their order.
     let mut of_bands: Vec<Vec<Lit>> = bands.iter().map(|_| Vec::new()).collect();
     for ((set, _), made) in work.iter().zip(made) {
@@ -163,7 +164,7 @@ pub(super) fn scatter(
         let error_estimate = of_band.iter().map(|lit| lit.error_estimate).fold(0.0, f64::max);
         Lit { light: of_band.into_iter().flat_map(|lit| lit.light).collect(), passes, error_estimate }
     };
-    of_bands.into_iter().map(joined).collect()
+    Ok(of_bands.into_iter().map(joined).collect())
 }
 
 /// Most bands that go together.

@@ -50,7 +50,7 @@ fn both(albedo: f64, phase: Phase) -> BandScatter {
 }
 
 fn solved(medium: &TurbidMedium, scatter: BandScatter, settings: &OrdinatesSettings) -> OrdinatesSolution {
-    solve(medium, &[scatter], settings, &|_| {}).unwrap()
+    solve(medium, &[scatter], settings, &|_| Ok(())).unwrap()
 }
 
 const LATTICE18: OrdinatesSettings = OrdinatesSettings {
@@ -172,7 +172,7 @@ fn light_agrees_with_monte_carlo() {
         for sun in [[0.0, 1.0, 0.0], [0.48, 0.6, 0.64]] {
             let trace = |seed| -> Fluence {
                 let settings = monte_carlo::Settings { photons: 1 << 16, seed, ..Default::default() };
-                monte_carlo::trace(&medium, &scatter, Illumination::Sun(sun), &settings, &|_| {}).unwrap()
+                monte_carlo::trace(&medium, &scatter, Illumination::Sun(sun), &settings, &|_| Ok(())).unwrap()
             };
             let beam = near.beam(sun, 4);
             let found = solution.light(&settings.suns, 0, &sites, sun, &beam);
@@ -292,7 +292,7 @@ fn cut_sites_bring_dense_plants_nearer_to_monte_carlo() {
     let sun = [0.0, 1.0, 0.0]; // light of the lattice's direction 4
     let trace = |seed| {
         let settings = monte_carlo::Settings { photons: 1 << 17, seed, ..Default::default() };
-        monte_carlo::trace(&medium, &scatter, Illumination::Sun(sun), &settings, &|_| {}).unwrap()
+        monte_carlo::trace(&medium, &scatter, Illumination::Sun(sun), &settings, &|_| Ok(())).unwrap()
     };
     let truth = [trace(1), trace(2)];
     let error = |parts| {
@@ -314,7 +314,7 @@ fn bytes_do_not_depend_on_the_number_of_threads() {
         (0..6).map(|i| both(0.15 * f64::from(i), Phase::BiLambert { transmitted: 0.4 })).collect();
     let solve_with = |threads| {
         let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
-        pool.install(|| solve(&medium, &bands, &OrdinatesSettings::default(), &|_| {}).unwrap())
+        pool.install(|| solve(&medium, &bands, &OrdinatesSettings::default(), &|_| Ok(())).unwrap())
     };
     let one = solve_with(1);
     assert_eq!(one.reports.len(), 6);
@@ -364,7 +364,7 @@ fn bad_input_is_refused_by_name() {
     let scatter = both(0.5, Phase::ISOTROPIC);
     let refused =
         |medium: &TurbidMedium, bands: &[BandScatter], settings: &OrdinatesSettings, message: &str| {
-            let error = solve(medium, bands, settings, &|_| {}).unwrap_err().to_string();
+            let error = solve(medium, bands, settings, &|_| Ok(())).unwrap_err().to_string();
             assert_eq!(error, message);
         };
     let settings = OrdinatesSettings::default();
@@ -419,7 +419,7 @@ fn half_a_sky_brings_a_thin_ball_half_the_light_and_a_whole_one_changes_nothing(
     let scatter = [both(0.0, Phase::ISOTROPIC)];
     let sky = |below: f32| {
         let surroundings = Surroundings { below, ..Surroundings::NONE };
-        solve_among(&thin, &scatter, &surroundings, &FINE18, &|_| {}).unwrap()
+        solve_among(&thin, &scatter, &surroundings, &FINE18, &|_| Ok(())).unwrap()
     };
     assert_eq!(sky(1.0), solved(&thin, scatter[0], &FINE18));
     let half = sky(0.0).fields[0].1.values[thin.grid.index(8, 8, 8)];
@@ -433,7 +433,7 @@ fn sites_with_the_albedos_of_their_band_scatter_as_the_band_does() {
         let light = |albedos: &SiteAlbedos| {
             let albedos = Some(std::slice::from_ref(albedos));
             let surroundings = Surroundings { albedos, ..Surroundings::NONE };
-            solve_among(&medium, &[scatter], &surroundings, &settings, &|_| {}).unwrap().fields[3]
+            solve_among(&medium, &[scatter], &surroundings, &settings, &|_| Ok(())).unwrap().fields[3]
                 .1
                 .values
                 .clone()
@@ -455,7 +455,7 @@ fn surroundings_out_of_range_are_refused_by_name() {
     let medium = ball(16, 1.0);
     let refused = |surroundings: Surroundings, settings: &OrdinatesSettings| {
         let scatter = [both(0.5, Phase::ISOTROPIC)];
-        solve_among(&medium, &scatter, &surroundings, settings, &|_| {}).unwrap_err().to_string()
+        solve_among(&medium, &scatter, &surroundings, settings, &|_| Ok(())).unwrap_err().to_string()
     };
     let below = Surroundings { below: -0.1, ..Surroundings::NONE };
     assert_eq!(refused(below, &LATTICE18), "light from below is -0.1, expected 0 to 1");

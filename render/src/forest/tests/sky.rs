@@ -8,8 +8,8 @@ use super::*;
 use crate::tests::sky_image;
 
 fn lit(forest: &Forest, daylight: &Setup) -> Picture {
-    let fragments = forest.trace(&shore(), &|_| ()).unwrap();
-    forest.relight(&fragments, &daylight.lighting(), &daylight.look(), &phi, &|_| ()).unwrap()
+    let fragments = forest.trace(&shore(), &|_| Ok(())).unwrap();
+    forest.relight(&fragments, &daylight.lighting(), &daylight.look(), &phi, &|_| Ok(())).unwrap()
 }
 
 fn ground() -> Option<Ground> {
@@ -78,11 +78,11 @@ fn light_is_asked_for_with_the_side_of_a_solid_that_is_seen() {
             transform: Transform { rotation: yaw(yaw_deg), ..at_m([0.0; 3]).transform },
         };
         let forest = Forest::prepare(&[species], &[instance], None, Search::default()).unwrap();
-        let fragments = forest.trace(&view([0.0; 3]), &|_| ()).unwrap();
+        let fragments = forest.trace(&view([0.0; 3]), &|_| Ok(())).unwrap();
         let asked = std::sync::Mutex::new(None);
         let light = |one: LightQuery, _: &mut [f32; 3]| *asked.lock().unwrap() = Some(one);
         let daylight = Setup { indirect: Indirect::Only, ..plain() };
-        forest.relight(&fragments, &daylight.lighting(), &daylight.look(), &light, &|_| ()).unwrap();
+        forest.relight(&fragments, &daylight.lighting(), &daylight.look(), &light, &|_| Ok(())).unwrap();
         asked.into_inner().unwrap().expect("the wall is seen")
     };
     assert_eq!(seen(MaterialClass::Leaf, 0.0).facing, None);
@@ -101,10 +101,10 @@ fn light_is_asked_for_with_the_side_of_a_solid_that_is_seen() {
 fn an_uneven_sky_over_paper_plants_and_a_sun_of_no_colour_are_refused() {
     let mesh = wall(material("wall", [0.5; 3]), vec![], 1.0);
     let stand = forest(&mesh, &[at_m([0.0; 3])], None);
-    let fragments = stand.trace(&view([0.0; 3]), &|_| ()).unwrap();
+    let fragments = stand.trace(&view([0.0; 3]), &|_| Ok(())).unwrap();
     let refusal = |daylight: Setup| {
         stand
-            .relight(&fragments, &daylight.lighting(), &daylight.look(), &dark, &|_| ())
+            .relight(&fragments, &daylight.lighting(), &daylight.look(), &dark, &|_| Ok(()))
             .unwrap_err()
             .to_string()
     };

@@ -38,8 +38,8 @@ pub(super) fn phi(LightQuery { instance, point, .. }: LightQuery, phi: &mut [f32
 }
 
 fn lit(forest: &Forest, view: &View, daylight: &Setup) -> Picture {
-    let fragments = forest.trace(view, &|_| ()).unwrap();
-    forest.relight(&fragments, &daylight.lighting(), &daylight.look(), &phi, &|_| ()).unwrap()
+    let fragments = forest.trace(view, &|_| Ok(())).unwrap();
+    forest.relight(&fragments, &daylight.lighting(), &daylight.look(), &phi, &|_| Ok(())).unwrap()
 }
 
 fn afternoon() -> Setup {
@@ -90,10 +90,10 @@ fn the_mirror_image_of_a_plant_is_the_plant_that_the_mirrored_camera_sees() {
     let Eye { position_m, look_at_m, fov_deg } = view.eye;
     let eye = Eye { position_m: mirrored(position_m), look_at_m: mirrored(look_at_m), fov_deg };
     let below = View { eye, ..view };
-    let (seen, twin) = (wet.trace(&view, &|_| ()).unwrap(), dry.trace(&below, &|_| ()).unwrap());
+    let (seen, twin) = (wet.trace(&view, &|_| Ok(())).unwrap(), dry.trace(&below, &|_| Ok(())).unwrap());
     let daylight = afternoon();
-    let picture = wet.relight(&seen, &daylight.lighting(), &daylight.look(), &phi, &|_| ()).unwrap();
-    let expected = dry.relight(&twin, &daylight.lighting(), &daylight.look(), &phi, &|_| ()).unwrap();
+    let picture = wet.relight(&seen, &daylight.lighting(), &daylight.look(), &phi, &|_| Ok(())).unwrap();
+    let expected = dry.relight(&twin, &daylight.lighting(), &daylight.look(), &phi, &|_| Ok(())).unwrap();
     let (mut plants, mut skies, mut others) = (0, 0, 0);
     for (x, y) in (0..view.height).flat_map(|y| (0..view.width).map(move |x| (x, y))) {
         let Some(Fragment::Water { distance_m, .. }) = seen.at(x, y, 0) else { continue };
@@ -141,8 +141,8 @@ fn what_is_mirrored_is_what_an_eye_on_the_water_sees_hills_included() {
     };
     let (wet, dry) = (over(grown_stand(&meshes, hill()), 0.0, NO_COLOR), grown_stand(&meshes, hill()));
     let (view, daylight) = (shore(), afternoon());
-    let fragments = wet.trace(&view, &|_| ()).unwrap();
-    let picture = wet.relight(&fragments, &daylight.lighting(), &daylight.look(), &phi, &|_| ()).unwrap();
+    let fragments = wet.trace(&view, &|_| Ok(())).unwrap();
+    let picture = wet.relight(&fragments, &daylight.lighting(), &daylight.look(), &phi, &|_| Ok(())).unwrap();
     let (mut hills, mut others) = (0, 0);
     for (x, y) in (30..view.height).flat_map(|y| (0..view.width).map(move |x| (x, y))) {
         let Some(Fragment::Water { distance_m, .. }) = fragments.at(x, y, 0) else { continue };
@@ -154,9 +154,12 @@ fn what_is_mirrored_is_what_an_eye_on_the_water_sees_hills_included() {
             fov_deg: 1.0,
         };
         let from_there = View { eye, width: 1, height: 1, ..view };
-        let seen = dry.trace(&from_there, &|_| ()).unwrap();
-        let expected =
-            pixel(&dry.relight(&seen, &daylight.lighting(), &daylight.look(), &phi, &|_| ()).unwrap(), 0, 0);
+        let seen = dry.trace(&from_there, &|_| Ok(())).unwrap();
+        let expected = pixel(
+            &dry.relight(&seen, &daylight.lighting(), &daylight.look(), &phi, &|_| Ok(())).unwrap(),
+            0,
+            0,
+        );
         let share = reflectance(mirrored.direction.y as f32);
         let found = pixel(&picture, x, y);
         match (0..3).all(|band| (found[band] - share * expected[band]).abs() < 1e-5) {
@@ -176,7 +179,7 @@ fn under_the_rim_of_a_height_map_is_water_and_no_hole() {
     let forest = over(grown_stand(&meshes, ground), 0.0, [0.1; 3]);
     let eye = Eye { position_m: [0.0, 1.0, 12.0], look_at_m: [0.0, 0.0, 0.0], fov_deg: 6.0 };
     let view = View { eye, width: 32, height: 32, samples: 1, sky_rays: 0 };
-    let [_, ground, sky, water] = forest.trace(&view, &|_| ()).unwrap().counts();
+    let [_, ground, sky, water] = forest.trace(&view, &|_| Ok(())).unwrap().counts();
     assert_eq!((ground, sky), (0, 0));
     assert!(water > 500, "{water} of 1024");
 }
@@ -208,7 +211,7 @@ fn water_hides_what_lies_below_and_lies_only_where_ground_is_lower() {
     let forest = over(under.unwrap(), 0.0, [0.1; 3]);
     let eye = Eye { position_m: [0.0, 60.0, 5.0], look_at_m: [0.0, 0.0, 0.0], fov_deg: 70.0 };
     let view = View { eye, width: 64, height: 64, samples: 1, sky_rays: 0 };
-    let fragments = forest.trace(&view, &|_| ()).unwrap();
+    let fragments = forest.trace(&view, &|_| Ok(())).unwrap();
     let [plants, ground, sky, water] = fragments.counts();
     assert_eq!((plants, sky, plants + ground + sky + water), (0, 0, 64 * 64));
     for (x, y) in (0..64).flat_map(|y| (0..64).map(move |x| (x, y))) {
@@ -280,12 +283,12 @@ fn fragments_with_water_are_lit_again_as_if_traced_anew_by_any_number_of_threads
     let meshes = [grown(PlantKind::Oak, 2_000), grown(PlantKind::Shrub, 800)];
     let forest = over(grown_stand(&meshes, None), 0.3, [0.02, 0.05, 0.06]);
     let view = View { samples: 3, sky_rays: 2, ..shore() };
-    let kept = forest.trace(&view, &|_| ()).unwrap();
-    let dry = grown_stand(&meshes, None).trace(&view, &|_| ()).unwrap();
+    let kept = forest.trace(&view, &|_| Ok(())).unwrap();
+    let dry = grown_stand(&meshes, None).trace(&view, &|_| Ok(())).unwrap();
     assert!(kept.size_bytes() > dry.size_bytes());
     for sun in [[0.6, 0.5, 0.5], [-0.9, 0.2, 0.3]] {
         let daylight = Setup { sun, ..afternoon() };
-        let again = forest.relight(&kept, &daylight.lighting(), &daylight.look(), &phi, &|_| ()).unwrap();
+        let again = forest.relight(&kept, &daylight.lighting(), &daylight.look(), &phi, &|_| Ok(())).unwrap();
         let shoot = |threads: usize| {
             let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
             pool.install(|| lit(&forest, &view, &daylight))
@@ -322,7 +325,7 @@ fn water_that_cannot_be_and_an_eye_below_it_are_refused() {
     let sea = over(forest(&mesh, &[at_m([0.0; 3])], None), 0.0, NO_COLOR);
     for height_m in [0.0, -2.5] {
         let eye = Eye { position_m: [0.0, height_m, 9.0], ..shore().eye };
-        let message = sea.trace(&View { eye, ..shore() }, &|_| ()).err().expect("refused").to_string();
+        let message = sea.trace(&View { eye, ..shore() }, &|_| Ok(())).err().expect("refused").to_string();
         let expected =
             format!("the camera stands at a height of {height_m} m, expected above the water at 0 m");
         assert!(message.starts_with(&expected), "{message} for {expected}");

@@ -79,9 +79,10 @@ fn every_way_finds_the_same_triangles_at_the_same_distances_and_the_same_shadows
         let mut first = None;
         for search in ways() {
             let forest = prepared(&meshes, &instances, search);
-            let fragments = forest.trace(&view, &|_| ()).unwrap();
-            let picture =
-                forest.relight(&fragments, &daylight.lighting(), &daylight.look(), &ask, &|_| ()).unwrap();
+            let fragments = forest.trace(&view, &|_| Ok(())).unwrap();
+            let picture = forest
+                .relight(&fragments, &daylight.lighting(), &daylight.look(), &ask, &|_| Ok(()))
+                .unwrap();
             let all: Vec<Fragment> =
                 fragments.squares().flat_map(|square| square.fragments.iter().copied()).collect();
             let (expected, expected_picture) = first.get_or_insert((all.clone(), picture.clone()));
@@ -117,7 +118,7 @@ fn of_two_plants_on_the_same_spot_the_first_is_seen() {
     let twice = [at_m([0.0; 3]), at_m([0.0; 3])];
     for search in ways() {
         let forest = prepared(&meshes, &twice, search);
-        let fragments = forest.trace(&view([0.0, 5.0, 0.0]), &|_| ()).unwrap();
+        let fragments = forest.trace(&view([0.0, 5.0, 0.0]), &|_| Ok(())).unwrap();
         let all = fragments.squares().flat_map(|square| &square.fragments);
         let instances: Vec<u32> = all
             .filter_map(|fragment| match fragment {

@@ -168,7 +168,7 @@ fn light_like_that_of_a_solve_has_its_texels_and_its_samples() {
     assert!(gpu.device.features().contains(wgpu::Features::SHADER_F16), "{} has no f16", gpu.name);
     for codec in [Codec::Classed, Codec::Haar] {
         let settings = EncodeSettings { codec, page_bytes: 20_480, ..EncodeSettings::papers() };
-        let coded = encode_species(&ball(), &settings, &|_| {}).unwrap();
+        let coded = encode_species(&ball(), &settings, &|_| Ok(())).unwrap();
         let mut bytes = Vec::new();
         write_library_to(&mut bytes, &[&coded]).unwrap();
         let library = Library::from_source("ball.flb", Box::new(bytes)).unwrap();

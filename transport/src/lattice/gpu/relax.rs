@@ -6,13 +6,13 @@
 
 use std::ops::Range;
 
-use flb_format::Optics;
 use flb_format::direction::MOVING;
+use flb_format::{Cancelled, Optics};
 
 use super::super::SolveSettings;
 use super::super::course::{CROSSINGS, Course};
 use super::super::dense;
-use super::super::error::GpuError;
+use super::super::error::{GpuError, SolveError};
 use super::super::kernel::{LANES, Lanes};
 use super::super::sites::{Domain, Sites};
 use super::device::Gpu;
@@ -86,8 +86,8 @@ pub(super) fn relax(
     optics: &Optics,
     lanes: &[(u8, u32)],
     settings: &SolveSettings,
-    tick: &dyn Fn(f64, u32),
-) -> Result<(Light, Vec<Course>), GpuError> {
+    tick: &dyn Fn(f64, u32) -> Result<(), Cancelled>,
+) -> Result<(Light, Vec<Course>), SolveError> {
     let mut courses = vec![Course::default(); lanes.len()];
     if sites.count == 0 {
         return Ok((vec![Vec::new(); lanes.len().div_ceil(LANES)], courses));
@@ -105,7 +105,7 @@ pub(super) fn relax(
                 courses[*lane as usize].note(*change, *norm);
             }
         }
-        tick(courses.iter().map(Course::error_estimate).fold(0.0, f64::max), done);
+        tick(courses.iter().map(Course::error_estimate).fold(0.0, f64::max), done)?;
         at_work.iter().for_each(|lane| sides[*lane as usize] = done as usize % 2);
         // Before light has crossed the lattice a few times, a lack of progress says nothing.
         let crossed = done as usize > CROSSINGS * sites.lattice;

@@ -3,7 +3,7 @@
 
 mod wgsl;
 
-use flb_format::{BaseSet, Class, ClassOptics, Medium, Optics};
+use flb_format::{BaseSet, Cancelled, Class, ClassOptics, Medium, Optics};
 
 use super::super::error::GpuError;
 use super::super::kernel::LANES;
@@ -18,7 +18,9 @@ const ALIKE: f64 = 1e-4;
 /// Two orders of the same sums in f32; drivers may fuse multiplications with additions.
 const ROUNDING: f32 = 1e-5;
 
-fn quiet(_: f64) {}
+fn quiet(_: f64) -> Result<(), Cancelled> {
+    Ok(())
+}
 
 fn gpu() -> Gpu {
     // The message says what to install.
@@ -76,7 +78,7 @@ fn iterations_equal_those_of_the_twin() {
         let settings = SolveSettings { tolerance: 1e-9, max_sweeps: count, ..SolveSettings::default() };
         let matter = relax::upload(&gpu, &sites).unwrap();
         let (light, courses) =
-            relax::relax(&gpu, &matter, &sites, &optics, &lanes, &settings, &|_, _| {}).unwrap();
+            relax::relax(&gpu, &matter, &sites, &optics, &lanes, &settings, &|_, _| Ok(())).unwrap();
         let twin = twin::relax(&sites.domains[0], &optics, &lanes, count as usize);
         assert_eq!(light[0].len(), twin.rows.len());
         for (row, (found, expected)) in light[0].iter().zip(&twin.rows).enumerate() {
@@ -218,7 +220,7 @@ fn a_single_solve_that_does_not_fit_is_refused_with_both_numbers() {
     let gpu = gpu();
     let needed = relax_bytes(&medium);
     let error = solve_on(&gpu, needed - 1, &medium, &one_band(0), &SolveSettings::default(), &quiet);
-    let text = SolveError::from(error.unwrap_err()).to_string();
+    let text = error.unwrap_err().to_string();
     for part in [&gpu.opened.name, &needed.to_string(), &(needed - 1).to_string(), "non-empty sites"] {
         assert!(text.contains(part), "{text:?} should contain {part:?}");
     }
@@ -231,16 +233,30 @@ fn a_lost_gpu_is_an_error() {
     let medium = media::tree(16, 3);
     let error =
         solve_on(&gpu, u64::MAX, &medium, &one_band(0), &SolveSettings::default(), &quiet).unwrap_err();
-    assert!(matches!(&error, GpuError::Failed { adapter, .. } if *adapter == gpu.opened.name), "{error:?}");
+    let is_lost =
+        |error: &GpuError| matches!(error, GpuError::Failed { adapter, .. } if *adapter == gpu.opened.name);
+    assert!(matches!(&error, SolveError::Gpu(error) if is_lost(error)), "{error:?}");
 }
 
 #[test]
 fn progress_never_falls() {
     let seen = std::sync::Mutex::new(vec![]);
-    let note = |share: f64| seen.lock().unwrap().push(share);
+    let note = |share: f64| {
+        seen.lock().unwrap().push(share);
+        Ok(())
+    };
     let settings = SolveSettings { solver: SolverKind::Gpu, ..SolveSettings::default() };
     solve(&media::tree(32, 5), &one_band(0), &settings, &note).unwrap();
     let seen = seen.into_inner().unwrap();
     assert!(seen.windows(2).all(|pair| pair[0] <= pair[1]), "{seen:?}");
     assert!(seen.len() > 4 && seen[0] == 0.0 && *seen.last().unwrap() == 1.0, "{seen:?}");
+}
+
+#[test]
+fn a_solve_stops_when_it_is_told_to() {
+    let medium = media::tree(16, 3);
+    let stop = |_| Err(Cancelled);
+    let error =
+        solve_on(&gpu(), u64::MAX, &medium, &one_band(0), &SolveSettings::default(), &stop).unwrap_err();
+    assert_eq!(error, SolveError::Cancelled(Cancelled));
 }

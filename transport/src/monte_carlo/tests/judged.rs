@@ -14,10 +14,10 @@ fn judged(
     let scatter = alike(0.8, Phase::BiLambert { transmitted: 0.5 });
     let sites = medium.sites();
     let near = [ordinates::near(medium, &sites, settings.suns.needs_single())];
-    let mut solution = ordinates::solve(medium, &[scatter], settings, &|_| {}).unwrap();
+    let mut solution = ordinates::solve(medium, &[scatter], settings, &|_| Ok(())).unwrap();
     change(&mut solution);
     let of_sun = |&sun: &[f64; 3]| {
-        let truth = Truth::trace(medium, &near, &[scatter], None, sun, 1 << 16, &|_| {}).unwrap();
+        let truth = Truth::trace(medium, &near, &[scatter], None, sun, 1 << 16, &|_| Ok(())).unwrap();
         truth.difference(&solution, settings, 0, &sites).unwrap()
     };
     Judgement::over(&suns(3).iter().map(of_sun).collect::<Vec<_>>()).unwrap()

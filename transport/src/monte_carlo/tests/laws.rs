@@ -187,6 +187,7 @@ fn progress_ends_at_the_whole() {
     let hear = |share: f64| {
         let mut most = most.lock().unwrap();
         *most = f64::max(*most, share);
+        Ok(())
     };
     trace(&ball(1.0), &alike(0.5, FACETS), SUN, &photons(64), &hear).unwrap();
     assert_eq!(*most.lock().unwrap(), 1.0);

@@ -19,7 +19,7 @@ fn light(
         transmitted: transmitted.as_ref().map(std::slice::from_ref),
         ..Surroundings::NONE
     };
-    solve_among(medium, &[band], &surroundings, settings, &|_| {}).unwrap().fields[3].1.values.clone()
+    solve_among(medium, &[band], &surroundings, settings, &|_| Ok(())).unwrap().fields[3].1.values.clone()
 }
 
 fn rms_apart(a: &[f32], b: &[f32]) -> f64 {
@@ -55,7 +55,7 @@ fn shares_out_of_range_are_refused_by_name() {
     let refused = |transmitted: &[Vec<f32>]| {
         let surroundings = Surroundings { transmitted: Some(transmitted), ..Surroundings::NONE };
         let bands = [both(0.5, Phase::ISOTROPIC)];
-        solve_among(&medium, &bands, &surroundings, &LATTICE18, &|_| {}).unwrap_err().to_string()
+        solve_among(&medium, &bands, &surroundings, &LATTICE18, &|_| Ok(())).unwrap_err().to_string()
     };
     assert_eq!(
         refused(&[]),
