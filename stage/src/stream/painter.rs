@@ -225,12 +225,12 @@ impl<'s> Painter<'s> {
         if shot.show == Show::Error {
             self.load_whole(shot, size)?;
         }
+        let (lighting, look) = (self.look.lighting(Some(shot.sun_deg))?, self.shown(shot));
+        self.find_beams(&lighting);
         let start = Instant::now();
         let [width, height] = size;
         let view = View { eye: self.above_water(shot.eye), width, height, samples, sky_rays: SKY_RAYS };
         let is_mark = !matches!(shot.show, Show::Whole | Show::Indirect | Show::Direct);
-        let (lighting, look) = (self.look.lighting(Some(shot.sun_deg))?, self.shown(shot));
-        self.find_beams(&lighting);
         let (picture, traced) = match &mut self.on_gpu {
             Some(on_gpu) if !is_mark => {
                 on_gpu.trace(&view)?;
