@@ -1,5 +1,6 @@
 //! The mean light of a plant over its matter, of fields as they will be coded.
 
+use flb_format::field::site_of;
 use flb_format::sun::harmonics;
 use flb_format::{Field, MeanLight, SpeciesMeta, SunBasis, mean_light};
 use flb_transport::cholesky;
@@ -77,8 +78,7 @@ pub(crate) fn set_means(
 fn mean_of_averages(field: &Field, matter: &[(u32, f64)]) -> Vec<f64> {
     let edge = field.lattice as usize / BLOCK_EDGE;
     let block_of = |site: usize| {
-        let n = field.lattice as usize;
-        let [x, y, z] = [site % n, site / n % n, site / (n * n)].map(|c| c / BLOCK_EDGE);
+        let [x, y, z] = site_of(site, field.lattice).map(|c| c as usize / BLOCK_EDGE);
         (z * edge + y) * edge + x
     };
     let mut weights = vec![0.0; edge * edge * edge];

@@ -1,10 +1,7 @@
-//! An uneven sky: a texture that is drawn where no plant is, and the parts that light plants.
+//! An uneven sky as a texture, which is drawn where no plant is.
 
-use std::f64::consts::PI;
-
-use flb_format::SkyPart;
 use flb_gpu::Gpu;
-use flb_scene::sky::Sky;
+use flb_scene::sky::{Sky, image};
 
 use crate::stages::{self, Stages};
 
@@ -17,18 +14,13 @@ const MAX_EDGE: u32 = 4096;
 pub(crate) struct Dome {
     /// `None` before the first.
     of: Option<Sky>,
-    parts: Vec<SkyPart>,
-    fluence: [f32; 3],
-    /// Another number for every other sky.
-    generation: u64,
     group: wgpu::BindGroup,
 }
 
 impl Dome {
     /// Of no sky.
     pub(crate) fn new(gpu: &Gpu, stages: &Stages) -> Dome {
-        let group = group(gpu, stages, [1, 1], &[[0.0; 4]]);
-        Dome { of: None, parts: Vec::new(), fluence: [0.0; 3], generation: 0, group }
+        Dome { of: None, group: group(gpu, stages, [1, 1], &[[0.0; 4]]) }
     }
 
     /// Sends a sky, unless it is there.
@@ -36,40 +28,20 @@ impl Dome {
         if self.of.as_ref() == Some(sky) {
             return;
         }
-        let [width, height] = size(gpu, sky);
-        let mut texels = Vec::with_capacity((width * height) as usize);
-        for y in 0..height {
-            let (level, up) = libm::sincos(PI * (f64::from(y) + 0.5) / f64::from(height));
-            for x in 0..width {
-                let (sin, cos) = libm::sincos(2.0 * PI * (f64::from(x) + 0.5) / f64::from(width));
-                let [red, green, blue] = sky.seen([-level * sin, up, level * cos].map(|c| c as f32));
-                texels.push([red, green, blue, 1.0]);
-            }
+        let size = size(gpu, sky);
+        let [width, height] = size.map(|edge| edge as usize);
+        let mut texels = Vec::with_capacity(width * height);
+        for (y, x) in (0..height).flat_map(|y| (0..width).map(move |x| (y, x))) {
+            let towards = image::towards([x as f64 + 0.5, y as f64 + 0.5], [width, height]);
+            let [red, green, blue] = sky.seen(towards);
+            texels.push([red, green, blue, 1.0]);
         }
-        self.group = group(gpu, stages, [width, height], &texels);
-        self.parts = sky.patches();
-        self.fluence = std::array::from_fn(|band| {
-            self.parts.iter().map(|part| f64::from(part.fluence[band])).sum::<f64>() as f32
-        });
-        self.generation += 1;
+        self.group = group(gpu, stages, size, &texels);
         self.of = Some(sky.clone());
     }
 
     pub(crate) fn group(&self) -> &wgpu::BindGroup {
         &self.group
-    }
-
-    pub(crate) fn parts(&self) -> &[SkyPart] {
-        &self.parts
-    }
-
-    /// Fluence, R, G, B.
-    pub(crate) fn fluence(&self) -> [f32; 3] {
-        self.fluence
-    }
-
-    pub(crate) fn generation(&self) -> u64 {
-        self.generation
     }
 }
 

@@ -5,7 +5,6 @@ use flb_render::forest::{Around, Forest, InstanceSearch, MAX_RAYS, ModelSearch, 
 use flb_render::picture::if_finite;
 use flb_render::{Lighting, Look, Picture};
 use flb_runtime::gpu::GpuLight;
-use flb_runtime::residency::Units;
 use flb_runtime::resident::Resident;
 use flb_runtime::scene_light::SceneLightAtSun;
 
@@ -259,13 +258,11 @@ impl GpuForest {
         look: &Look,
     ) -> Result<(), ForestError> {
         let scenery = self.scenery(lighting, look)?;
-        let daylight = self.daylight_on(&scenery, lighting);
-        let words = lights.aim(&self.stand.plants, &daylight)?;
+        let words = lights.aim(&self.stand.plants, &DaylightOn::new(&scenery, lighting))?;
         self.light(&words, lights.light(), (lighting, look), &scenery)
     }
 
-    /// Lights the fragments with light that comes over time; `resident` and `units` are those of the streamer which
-    /// `lights` follow.
+    /// Lights the fragments with light that comes over time; `resident` is that of the streamer which `lights` follow.
     ///
     /// # Errors
     /// As [`GpuForest::relight`]; what is missing is no error.
@@ -273,13 +270,12 @@ impl GpuForest {
         &mut self,
         lights: &mut StreamedLights,
         resident: &Resident,
-        units: &Units,
         lighting: &Lighting,
         look: &Look,
     ) -> Result<(), ForestError> {
         let scenery = self.scenery(lighting, look)?;
-        let daylight = self.daylight_on(&scenery, lighting);
-        let words = lights.aim(resident, units, &self.stand.plants, &daylight)?;
+        let daylight = DaylightOn::new(&scenery, lighting);
+        let words = lights.aim(resident, &self.stand.plants, &daylight)?;
         self.light(&words, lights.light(), (lighting, look), &scenery)
     }
 
@@ -290,15 +286,6 @@ impl GpuForest {
             self.dome.send(&self.gpu, &self.stages, sky);
         }
         Ok(scenery)
-    }
-
-    fn daylight_on(&self, scenery: &Scenery, lighting: &Lighting) -> DaylightOn<'_> {
-        DaylightOn {
-            towards_sun: scenery.towards_sun,
-            sun: scenery.sun_strength,
-            sky: lighting.daylight.sky,
-            dome: lighting.dome.is_some().then_some(&self.dome),
-        }
     }
 
     fn light(
@@ -318,7 +305,7 @@ impl GpuForest {
             .and_then(Neighbours::stage)
             .unwrap_or((&self.stages.light, &self.lights.1));
         let words = self.soil.daylight_words(
-            (lighting, look, lighting.dome.is_some().then_some(&self.dome)),
+            (lighting, look),
             scenery,
             camera_m,
             self.around.units,

@@ -1,9 +1,11 @@
 //! A plant's light as light.wgsl reads it, and the check that every plant has one.
 
 use flb_format::Placement;
+use flb_render::Lighting;
+use flb_render::forest::Scenery;
+use flb_scene::sky::Sky;
 
 use crate::ForestError;
-use crate::dome::Dome;
 use crate::layout::{NONE, Words};
 
 /// Of the terms of a sky: they are of an uneven one; `UNEVEN`.
@@ -17,10 +19,19 @@ pub(crate) struct DaylightOn<'a> {
     /// Strength of an even sky.
     pub sky: f32,
     /// An uneven sky in its place.
-    pub dome: Option<&'a Dome>,
+    pub dome: Option<&'a Sky>,
 }
 
-impl DaylightOn<'_> {
+impl<'a> DaylightOn<'a> {
+    pub(crate) fn new(scenery: &Scenery, lighting: &'a Lighting) -> DaylightOn<'a> {
+        DaylightOn {
+            towards_sun: scenery.towards_sun,
+            sun: scenery.sun_strength,
+            sky: lighting.daylight.sky,
+            dome: lighting.dome.as_ref(),
+        }
+    }
+
     /// Strength of an even sky, or of one that stands in where what an uneven one needs is not there.
     pub(crate) fn even(&self) -> f32 {
         self.dome.map_or(self.sky, |dome| dome.fluence().iter().sum::<f32>() / 3.0)

@@ -112,7 +112,6 @@ impl StreamedLights {
     pub(crate) fn aim(
         &mut self,
         resident: &Resident,
-        units: &Units,
         plants: &[Placement],
         daylight: &DaylightOn<'_>,
     ) -> Result<Words, ForestError> {
@@ -137,7 +136,7 @@ impl StreamedLights {
             let towards_sun = plant.transform.model_from_world_direction(daylight.towards_sun);
             let first_term = terms.len() as u32;
             let sky = skies.get(number).and_then(Option::as_ref);
-            let sky = sky.and_then(|sky| self.follower.sky_terms(species, units, sky));
+            let sky = sky.and_then(|sky| self.follower.sky_terms(species, resident, sky));
             let (of_sky, mut constant, sky_count) = match sky {
                 Some(of_sky) => {
                     let count = uneven(of_sky.len());

@@ -3,8 +3,8 @@
 use flb_render::forest::export::SKY;
 use flb_render::forest::{Forest, Land, Scenery, Water};
 use flb_render::{Indirect, Lighting, Look, Units};
+use flb_scene::sky::Sky;
 
-use crate::dome::Dome;
 use crate::layout::Words;
 use crate::show::Show;
 
@@ -93,7 +93,7 @@ impl GroundAndWater {
     /// The words of a `Daylight` of the shaders.
     pub(crate) fn daylight_words(
         &self,
-        (lighting, look, dome): (&Lighting, &Look, Option<&Dome>),
+        (lighting, look): (&Lighting, &Look),
         scenery: &Scenery,
         camera_m: [f64; 3],
         units: Units,
@@ -123,9 +123,9 @@ impl GroundAndWater {
             .whole(units as u32)
             .floats(self.water.map_or([0.0; 3], |water| water.color))
             .whole(show as u32)
-            .floats(dome.map_or([lighting.daylight.sky; 3], Dome::fluence))
+            .floats(lighting.dome.as_ref().map_or([lighting.daylight.sky; 3], Sky::fluence))
             .whole(cells)
-            .whole(u32::from(is_sky_drawn && dome.is_some()))
+            .whole(u32::from(is_sky_drawn && lighting.dome.is_some()))
             .whole(0)
             .whole(0)
             .whole(0);

@@ -91,11 +91,10 @@ impl Extinction {
         let depth = |per_m: f32| (f64::from(per_m) * grid.spacing_m) as f32;
         let (mut blocks, mut depths) = (Vec::with_capacity(map.len()), Vec::new());
         for rank in 0..map.len() {
-            let [x, y, z] = map.block(rank).map(|c| c * EDGE);
+            let corner = map.block(rank).map(|c| c * EDGE);
             let mut block = Block { mask: 0, first: depths.len() as u32 }; // a lattice has up to 2^24 sites
             for place in 0..BLOCK_SITES as u32 {
-                let [dx, dy, dz] = [place % EDGE, place / EDGE % EDGE, place / (EDGE * EDGE)];
-                let site = grid.index(x + dx, y + dy, z + dz);
+                let site = site_of_block(&grid, corner, place);
                 let both = [turbid.leaf_per_m[site], turbid.wood_per_m[site]].map(depth);
                 if both != [0.0; 2] {
                     block.mask |= 1 << place;
@@ -112,14 +111,20 @@ impl Extinction {
     pub fn to_dense(&self) -> TurbidMedium {
         let sites = self.grid.sites();
         let (mut leaf_per_m, mut wood_per_m) = (vec![0.0; sites], vec![0.0; sites]);
-        for (site, (leaf, wood)) in leaf_per_m.iter_mut().zip(&mut wood_per_m).enumerate() {
-            let site = self.grid.site(site);
-            if let Some(rank) = self.map.rank(site.map(|c| c / EDGE)) {
-                let per_m = |depth: f32| (f64::from(depth) / self.grid.spacing_m) as f32;
-                [*leaf, *wood] = self.of_block(rank, site).map(per_m);
-            }
+        let per_m = |depth: f32| (f64::from(depth) / self.grid.spacing_m) as f32;
+        for (site, depths) in self.sites().zip(&self.depths) {
+            [leaf_per_m[site], wood_per_m[site]] = depths.map(per_m);
         }
         TurbidMedium { grid: self.grid, leaf_per_m, wood_per_m, angles: self.angles.clone() }
+    }
+
+    /// Sites that hold matter, in the order of [`Extinction::depths`].
+    pub fn sites(&self) -> impl Iterator<Item = usize> {
+        self.blocks.iter().enumerate().flat_map(move |(rank, block)| {
+            let corner = self.map.block(rank).map(|c| c * EDGE);
+            let places = (0..BLOCK_SITES as u32).filter(|place| block.mask >> place & 1 == 1);
+            places.map(move |place| site_of_block(&self.grid, corner, place))
+        })
     }
 
     /// Grid of the lattice in model space.
@@ -247,6 +252,11 @@ fn place([x, y, z]: [u32; 3]) -> usize {
 
 fn morton(block: [u32; 3]) -> usize {
     flb_format::blocks::map::encode(block) as usize
+}
+
+/// A site of a block, by its bit.
+fn site_of_block(grid: &Grid, [x, y, z]: [u32; 3], place: u32) -> usize {
+    grid.index(x + place % EDGE, y + place / EDGE % EDGE, z + place / (EDGE * EDGE))
 }
 
 #[cfg(test)]

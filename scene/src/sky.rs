@@ -16,7 +16,7 @@ mod primaries;
 mod spectrum;
 
 use std::f64::consts::PI;
-use std::sync::Arc;
+use std::sync::{Arc, OnceLock};
 
 use flb_format::SkyPart;
 
@@ -28,17 +28,31 @@ pub use image::SkyImage;
 pub const GROUND_REFLECTANCE: [f32; 3] = [0.23, 0.22, 0.15];
 
 /// Radiance from every side.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone)]
 pub struct Sky {
     source: Source,
     /// Factor on the source.
     scale: f32,
+    /// Parts of it, once they were asked for; clones have the same.
+    patches: Arc<OnceLock<Vec<SkyPart>>>,
 }
 
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone)]
 enum Source {
     Clear(Arc<ClearSky>),
     Image(Arc<SkyImage>),
+}
+
+impl PartialEq for Sky {
+    fn eq(&self, other: &Sky) -> bool {
+        let is_same_source = match (&self.source, &other.source) {
+            (Source::Clear(a), Source::Clear(b)) => a == b,
+            // Millions of pixels.
+            (Source::Image(a), Source::Image(b)) => Arc::ptr_eq(a, b) || a == b,
+            _ => false,
+        };
+        is_same_source && self.scale == other.scale
+    }
 }
 
 impl Sky {
@@ -48,19 +62,23 @@ impl Sky {
     /// [`SkyError::NoDirection`], [`SkyError::Turbidity`].
     pub fn clear(towards_sun: [f64; 3], turbidity: f64) -> Result<Sky, SkyError> {
         let clear = ClearSky::new(towards_sun, turbidity)?;
-        Ok(Sky { source: Source::Clear(Arc::new(clear)), scale: 1.0 })
+        Ok(Sky::new(Source::Clear(Arc::new(clear)), 1.0))
     }
 
     /// The sky of an image, of fluence 1 by luminance: images say nothing of their unit.
     pub fn of_image(image: Arc<SkyImage>) -> Sky {
         let scale = (1.0 / (4.0 * PI * image.mean_luminance())) as f32;
-        Sky { source: Source::Image(image), scale }
+        Sky::new(Source::Image(image), scale)
+    }
+
+    fn new(source: Source, scale: f32) -> Sky {
+        Sky { source, scale, patches: Arc::default() }
     }
 
     /// Returns the sky made so many times as bright.
     #[must_use]
     pub fn times(&self, factor: f32) -> Sky {
-        Sky { source: self.source.clone(), scale: self.scale * factor }
+        Sky::new(self.source.clone(), self.scale * factor)
     }
 
     /// Radiance from a direction of unit length.
@@ -98,9 +116,9 @@ impl Sky {
         }
     }
 
-    /// A few directions that stand for all of it.
-    pub fn patches(&self) -> Vec<SkyPart> {
-        patches::patches(self)
+    /// A few directions that stand for all of it, found once.
+    pub fn patches(&self) -> &[SkyPart] {
+        self.patches.get_or_init(|| patches::patches(self))
     }
 
     /// Fluence: its radiance summed over the sphere.

@@ -97,7 +97,7 @@ impl<'p> PlantRenderer<'p> {
         }
         let sky = match (&lighting.dome, &self.light) {
             (Some(dome), Some(light)) => {
-                let find = |dome: &Sky| light.sky(&dome.patches(), &Transform::IDENTITY);
+                let find = |dome: &Sky| light.sky(dome.patches(), &Transform::IDENTITY);
                 Some(Step::Sky.run(observer, &subject, |_| find(dome))?)
             }
             _ => None,

@@ -97,7 +97,7 @@ pub(crate) fn skies<'l>(
     let fluence = parts.iter().map(|part| part.fluence.iter().sum::<f32>() / 3.0).sum();
     let sky = |one: &Placement| {
         let Some(beams) = &beams[one.species] else { return Ok(None) };
-        Ok(Some(beams.sky(&parts, &one.transform)?))
+        Ok(Some(beams.sky(parts, &one.transform)?))
     };
     Ok(Skies { over: placements.par_iter().map(sky).collect::<Result<_, RuntimeError>>()?, fluence })
 }

@@ -72,7 +72,7 @@ impl<'a> Subject<'a> {
     pub fn frame(&self, sun: [f64; 2], indirect: Indirect, sky_alone: bool) -> Frame {
         let (lighting, dome) = lighting(sun, sky_alone);
         let look = Look { indirect, has_sky: false, ..Look::default() };
-        let of_sky = self.light.sky(&dome.patches(), &Transform::IDENTITY).expect("the whole sphere");
+        let of_sky = self.light.sky(dome.patches(), &Transform::IDENTITY).expect("the whole sphere");
         let baked = self.baked(&lighting, &look, &of_sky);
         let portrait = self.portrait(self.samples[1]);
         let traced = render_reference(&self.plant(), &portrait, &lighting, &look, &|_| Ok(()))
@@ -90,8 +90,8 @@ impl<'a> Subject<'a> {
         let (lighting, dome) = lighting(sun, true);
         let look = Look { indirect: Indirect::Only, has_sky: false, ..Look::default() };
         let parts = dome.patches();
-        let own = self.light.sky(&parts, &Transform::IDENTITY).expect("the whole sphere");
-        let shared = beams.sky(&parts, &Transform::IDENTITY).expect("the whole sphere");
+        let own = self.light.sky(parts, &Transform::IDENTITY).expect("the whole sphere");
+        let shared = beams.sky(parts, &Transform::IDENTITY).expect("the whole sphere");
         let [own, shared] = [own, shared].map(|sky| self.baked(&lighting, &look, &sky).rgb);
         let sum = |picture: &[f32]| picture.iter().map(|band| f64::from(*band)).sum::<f64>();
         let squares = own.iter().zip(&shared).map(|(own, shared)| f64::from((own - shared) * (own - shared)));

@@ -49,19 +49,22 @@ fn bounded(terms: SpeciesTerms, light: vec3<f32>) -> vec3<f32> {
     return select(max(light, vec3<f32>(terms.least)), light, is_shared);
 }
 
-// Light of a plant under an uneven sky: of the sun and of the sky, times these shares.
-fn under_uneven_sky(terms: SpeciesTerms, asked: Asked, sun: f32, sky: f32) -> vec3<f32> {
-    let of_sky = terms.sky_count & ~UNEVEN;
+// Light of a plant's terms but for so many of the first.
+fn of_terms_from(terms: SpeciesTerms, skipped: u32, point_model_m: vec3<f32>) -> vec3<f32> {
     var near = vec4<f32>(1.0);
     var near_from = FLB_NONE;
     if terms.near_count > 0u {
-        near = near_of(terms, asked.point_model_m);
+        near = near_of(terms, point_model_m);
         near_from = terms.first_term + terms.term_count - terms.near_count;
     }
-    let place = flb_locate(terms.species, asked.point_model_m);
-    let first_of_sun = terms.first_term + of_sky;
-    let of_sun =
-        flb_light_near(terms.species, first_of_sun, terms.term_count - of_sky, place.texel, place.part, near_from, near);
+    let place = flb_locate(terms.species, point_model_m);
+    let first = terms.first_term + skipped;
+    return flb_light_near(terms.species, first, terms.term_count - skipped, place.texel, place.part, near_from, near);
+}
+
+// Light of a plant under an uneven sky: of the sun and of the sky, times these shares.
+fn under_uneven_sky(terms: SpeciesTerms, asked: Asked, sun: f32, sky: f32) -> vec3<f32> {
+    let of_sun = of_terms_from(terms, terms.sky_count & ~UNEVEN, asked.point_model_m);
     let light = bounded(terms, (terms.constant + of_sun) * sun) * daylight.sun_color;
     return light + flb_sky(terms.species, terms.first_term, asked.point_model_m, asked.facing) * sky;
 }

@@ -44,20 +44,13 @@ fn indirect(instance: u32, asked: Asked) -> vec3<f32> {
     let blend = blends[instance];
     let sky = modulation_of_sky(blend, point_model_m);
     let sun = modulation_of_sun(blend, point_model_m);
-    let added = daylight.sun_strength * dot(daylight.sun_color, LUMINANCE) * sun.add + dot(daylight.fluence, LUMINANCE) * sky.add;
+    let added_by_sun = daylight.sun_strength * dot(daylight.sun_color, LUMINANCE) * sun.add;
+    let added = added_by_sun + dot(daylight.fluence, LUMINANCE) * sky.add;
     if (terms.sky_count & UNEVEN) != 0u {
         return with_added(under_uneven_sky(terms, asked, sun.scale, sky.scale), added);
     }
-    var near = vec4<f32>(1.0);
-    var near_from = FLB_NONE;
-    if terms.near_count > 0u {
-        near = near_of(terms, point_model_m);
-        near_from = terms.first_term + terms.term_count - terms.near_count;
-    }
-    let place = flb_locate(terms.species, point_model_m);
-    let first_of_sun = terms.first_term + terms.sky_count;
-    let of_sky = flb_light(terms.species, terms.first_term, terms.sky_count, place.texel, place.part);
-    let of_sun = flb_light_near(terms.species, first_of_sun, terms.term_count - terms.sky_count, place.texel, place.part, near_from, near);
+    let of_sky = flb_sample(terms.species, terms.first_term, terms.sky_count, point_model_m);
+    let of_sun = of_terms_from(terms, terms.sky_count, point_model_m);
     return with_added(bounded(terms, (terms.constant + of_sky) * sky.scale + of_sun * sun.scale), added);
 }
 

@@ -249,9 +249,12 @@ fn dome_color(direction: vec3<f32>) -> vec3<f32> {
     let left = select(low.x, last.x, low.x < 0);
     let right = select(left + 1, 0, left == last.x);
     let below = min(low.y + 1, last.y);
-    let top = mix(textureLoad(dome, vec2<i32>(left, low.y), 0), textureLoad(dome, vec2<i32>(right, low.y), 0), part.x);
-    let bottom = mix(textureLoad(dome, vec2<i32>(left, below), 0), textureLoad(dome, vec2<i32>(right, below), 0), part.x);
-    return mix(top, bottom, part.y).xyz;
+    let top = dome_row(low.y, left, right, part.x);
+    return mix(top, dome_row(below, left, right, part.x), part.y);
+}
+
+fn dome_row(y: i32, left: i32, right: i32, part: f32) -> vec3<f32> {
+    return mix(textureLoad(dome, vec2<i32>(left, y), 0).xyz, textureLoad(dome, vec2<i32>(right, y), 0).xyz, part);
 }
 
 fn unit_or_zero(v: vec3<f32>) -> vec3<f32> {

@@ -150,7 +150,9 @@ fn physical_pictures_among_neighbours_that_share_volumes_are_those_of_the_cpu() 
     let same = difference(&found[0], &expected(&placed), PHYSICAL_EXPOSURE).0;
     placed.iter_mut().for_each(|plant| plant.transform.position_m[0] += 1.0);
     let other = difference(&found[0], &expected(&placed), PHYSICAL_EXPOSURE).0;
-    assert!(other > 2.0 * same, "{other} {same}");
+    // An H200 rounds more: rays that graze an edge fall on its other side more often.
+    let times = if gpu().is_software { 4.0 } else { 2.0 };
+    assert!(other > times * same, "{other} {same}");
 }
 
 #[test]

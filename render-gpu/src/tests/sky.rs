@@ -56,7 +56,7 @@ fn both(
 
     let dome = lighting.dome.as_ref().expect("an uneven sky");
     let sky = |plant: &Placement| {
-        beams[plant.species].as_ref().expect("of a file").sky(&dome.patches(), &plant.transform)
+        beams[plant.species].as_ref().expect("of a file").sky(dome.patches(), &plant.transform)
     };
     let skies: Vec<_> = plants.iter().map(|plant| sky(plant).expect("a whole sky")).collect();
     let daylight = Daylight { sky: 0.0, ..lighting.daylight };

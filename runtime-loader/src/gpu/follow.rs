@@ -236,9 +236,9 @@ impl Follower {
     }
 
     /// The terms of an uneven sky over a plant, for `flb_sky`; `None` while its beams or a base are not on the GPU.
-    pub fn sky_terms(&self, species: usize, units: &Units, sky: &SkyOnGpu) -> Option<Vec<Term>> {
+    pub fn sky_terms(&self, species: usize, resident: &Resident, sky: &SkyOnGpu) -> Option<Vec<Term>> {
         self.species[species].filter(|number| self.light.has_sky_beams(*number))?;
-        let place = |item: u8| units.bases(species).iter().position(|base| base.item == item);
+        let place = |item: u8| resident.species(species).place(item);
         sky.terms(|item| self.bases[species][place(item)?].map(|(index, _)| index)).ok()
     }
 

@@ -90,17 +90,11 @@ impl GpuLight {
 fn words(beams: &SkyBeams, extinction: &Extinction) -> Vec<u32> {
     let half = |value: f32| u32::from(f16::from_f32_const(value).to_bits());
     let mut words = vec![4 * extinction.blocks().len() as u32];
-    for (rank, block) in extinction.blocks().iter().enumerate() {
-        let corner = extinction.map().block(rank).map(|c| c * 4);
-        for place in (0..64u32).filter(|place| block.mask >> place & 1 == 1) {
-            let [x, y, z] = [place % 4, place / 4 % 4, place / 16];
-            let site = extinction.grid().index(corner[0] + x, corner[1] + y, corner[2] + z);
-            let number = beams.medium().place_of(site);
-            for mean in beams.means() {
-                let harmonics = number.map_or([0.0; 16], |number| mean[number]);
-                let pairs = harmonics.as_chunks::<2>().0;
-                words.extend(pairs.iter().map(|[low, high]| half(*low) | half(*high) << 16));
-            }
+    for number in extinction.sites().map(|site| beams.medium().place_of(site)) {
+        for mean in beams.means() {
+            let harmonics = number.map_or([0.0; 16], |number| mean[number]);
+            let pairs = harmonics.as_chunks::<2>().0;
+            words.extend(pairs.iter().map(|[low, high]| half(*low) | half(*high) << 16));
         }
     }
     words

@@ -125,9 +125,7 @@ impl SkyImage {
 
     /// The direction of a point of the image, in pixels from its upper left corner.
     pub fn towards(&self, x: f64, y: f64) -> [f32; 3] {
-        let (sin, cos) = libm::sincos(2.0 * PI * x / self.width as f64);
-        let (level, up) = libm::sincos(PI * y / self.height as f64);
-        [-level * sin, up, level * cos].map(|c| c as f32)
+        towards([x, y], self.size())
     }
 
     /// Where a direction lies in the image, in pixels.
@@ -164,6 +162,14 @@ impl SkyImage {
         let parts = MIN_ROWS.div_ceil(self.height);
         [self.height * parts, self.width * parts]
     }
+}
+
+/// The direction of a point of an image of the whole sphere, in pixels from its upper left corner: columns run from the
+/// south over the west to the north, which is the middle, rows from the zenith to the nadir.
+pub fn towards([x, y]: [f64; 2], [width, height]: [usize; 2]) -> [f32; 3] {
+    let (sin, cos) = libm::sincos(2.0 * PI * x / width as f64);
+    let (level, up) = libm::sincos(PI * y / height as f64);
+    [-level * sin, up, level * cos].map(|c| c as f32)
 }
 
 /// What a file holds.

@@ -132,7 +132,7 @@ fn an_image_has_north_in_its_middle_east_at_its_right_and_fluence_1() {
         assert!((0..3).all(|band| (smooth[band] - image.pixel(x, y)[band]).abs() < 1e-4), "{smooth:?}");
     }
     let brightest =
-        sky.patches().into_iter().max_by(|a, b| a.fluence[0].total_cmp(&b.fluence[0])).expect("patches");
+        sky.patches().iter().max_by(|a, b| a.fluence[0].total_cmp(&b.fluence[0])).expect("patches");
     assert!(brightest.towards[0] > 0.8 && brightest.towards[1] > 0.0, "{brightest:?}");
     assert_eq!(
         sky.times(0.5).radiance([0.0, 1.0, 0.0]),

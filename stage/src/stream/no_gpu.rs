@@ -34,7 +34,7 @@ impl OnGpu {
 
     pub(crate) fn lit(
         &mut self,
-        _: (&Resident, &Units),
+        _: &Resident,
         _: (&Lighting, &Look),
         _: Option<&SceneLightAtSun<'_>>,
     ) -> Result<Picture, StageError> {

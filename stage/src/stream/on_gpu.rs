@@ -82,7 +82,7 @@ impl OnGpu {
     /// A picture of what was traced. The shade is that of a sun, and sent once.
     pub(crate) fn lit(
         &mut self,
-        (resident, units): (&Resident, &Units),
+        resident: &Resident,
         (lighting, look): (&Lighting, &Look),
         shade: Option<&SceneLightAtSun<'_>>,
     ) -> Result<Picture, StageError> {
@@ -92,7 +92,7 @@ impl OnGpu {
             self.forest.set_scene_light(shade)?;
             self.shaded = Some(sun);
         }
-        self.forest.relight_streamed(&mut self.lights, resident, units, lighting, look)?;
+        self.forest.relight_streamed(&mut self.lights, resident, lighting, look)?;
         Ok(self.forest.picture()?)
     }
 }

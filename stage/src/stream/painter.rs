@@ -237,9 +237,8 @@ impl<'s> Painter<'s> {
                 let traced = start.elapsed().as_secs_f64();
                 turn(&mut self.neighbours, &lighting)?;
                 let shade = self.neighbours.as_ref().and_then(Neighbours::shade);
-                let streamer = &self.streamed[0].streamer;
-                let light = (streamer.resident(), &**streamer.residency().units());
-                (on_gpu.lit(light, (&lighting, &look), shade)?, traced)
+                let resident = self.streamed[0].streamer.resident();
+                (on_gpu.lit(resident, (&lighting, &look), shade)?, traced)
             }
             _ => {
                 turn(&mut self.neighbours, &lighting)?;
