@@ -12,7 +12,9 @@ use flb_baker::crown::{CrownSettings, GapRays, LeafAngleChoice, measure_crown, u
 use flb_baker::downsample;
 use flb_baker::voxelise::{VoxelSettings, voxelise};
 use flb_fixtures::PlantKind;
-use flb_scene::{ClassRules, ImportSettings, MaterialClass, Mesh, classify, import};
+use flb_scene::classify::classify;
+use flb_scene::import::import;
+use flb_scene::{ClassRules, ImportSettings, MaterialClass, Mesh};
 use flb_transport::turbid::{LeafAngles, TurbidMedium};
 
 /// Rays over the plant's longest extent by which crowns are judged.

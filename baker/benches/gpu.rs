@@ -5,7 +5,7 @@
 //! where software stands in for a GPU.
 
 use criterion::{Criterion, criterion_group, criterion_main};
-use flb_format::Optics;
+use flb_format::matter::Optics;
 use flb_transport::lattice::{SolveSettings, SolverKind, find_gpu, media, solve};
 
 fn gpu_and_cpu(criterion: &mut Criterion) {

@@ -9,8 +9,10 @@ use criterion::{Criterion, criterion_group, criterion_main};
 use flb_baker::downsample;
 use flb_baker::voxelise::{VoxelSettings, voxelise};
 use flb_fixtures::PlantKind;
+use flb_scene::classify::classify;
+use flb_scene::import::import;
 use flb_scene::mesh::{AlphaMode, Image, Material, Texture, Wrap};
-use flb_scene::{ClassRules, ImportSettings, MaterialClass, Mesh, classify, import};
+use flb_scene::{ClassRules, ImportSettings, MaterialClass, Mesh};
 
 const CARDS: usize = 150_000;
 

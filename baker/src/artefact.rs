@@ -12,7 +12,8 @@
 //! The layout is private to a build: any change of it, or of what a stage computes, raises [`SCHEMA`]. The
 //! public format is `.flb`.
 
-use flb_format::{Class, Field, Grid, Medium};
+use flb_format::matter::Class;
+use flb_format::{Field, Grid, Medium};
 use rkyv::api::high::{HighDeserializer, HighSerializer, HighValidator};
 use rkyv::bytecheck::CheckBytes;
 use rkyv::rancor::Error as RkyvError;

@@ -28,7 +28,8 @@ mod store;
 #[cfg(test)]
 mod tests;
 
-use flb_format::{Field, Progress, SpeciesFields};
+use flb_format::progress::Progress;
+use flb_format::{Field, SpeciesFields};
 use flb_scene::{Plant, Step};
 use flb_transport::ordinates::{OrdinatesSettings, OrdinatesSolution, SiteAlbedos};
 use flb_transport::turbid::BandScatter;

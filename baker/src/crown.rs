@@ -43,14 +43,14 @@ pub use gap::{AxisGap, Gap, GapRays, OUTLINE_LATTICE};
 pub use recollision::{Received, Recollision};
 pub use seen_sky::SeenSky;
 
-use flb_format::medium::rounded;
-use flb_format::{Medium, Progress};
+use flb_format::Medium;
+use flb_format::matter::rounded;
+use flb_format::progress::Progress;
 
 use directions::measured_axes;
 use facets::Facets;
-use flb_scene::class::MaterialClass;
-use flb_scene::mesh::Mesh;
 use flb_scene::plant::plant_bounds;
+use flb_scene::{MaterialClass, Mesh};
 use flb_transport::turbid::{LeafAngles, TurbidMedium};
 
 /// Rays over the plant's longest extent, at least; and rays over a site, at least.
@@ -74,7 +74,7 @@ pub struct CrownSettings {
 /// A crown as a turbid medium, and what was calibrated.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Crown {
-    /// The medium, the factor applied, rounded ([`flb_format::medium::rounded`]).
+    /// The medium, the factor applied, rounded ([`flb_format::matter::rounded`]).
     pub turbid: TurbidMedium,
     /// Share of the sky that the leaves see; of no site where there is no mesh.
     pub seen_sky: SeenSky,

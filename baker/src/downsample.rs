@@ -5,8 +5,8 @@
 //! every level, to the bit. Where the voxels along a site are 2^a x q with q odd, one average over q^3
 //! comes last.
 
-use flb_format::medium::rounded;
-use flb_format::{Class, Medium};
+use flb_format::Medium;
+use flb_format::matter::{Class, rounded};
 
 use crate::voxelise::{AREA_UNITS_PER_SITE_FACE, CLUSTER_EDGE, Cluster, Occupancy, VoxelError};
 
@@ -142,7 +142,7 @@ pub fn levels(occupancy: &Occupancy, first: u32) -> impl Iterator<Item = ShareGr
 
 /// Downsamples an occupancy to its lattice. Density is the share of a site's voxels that are occupied; the
 /// class is wood where wood touches more voxels than leaf does; area densities are area / `spacing_m^3`, rounded
-/// ([`flb_format::medium::rounded`]). A site is `Empty` exactly where its density is 0, and then has no area.
+/// ([`flb_format::matter::rounded`]). A site is `Empty` exactly where its density is 0, and then has no area.
 ///
 /// # Errors
 /// None for an occupancy that [`crate::voxelise()`] made; the result leaves room for limits.

@@ -1,8 +1,10 @@
 //! The mean light of a plant over its matter, of fields as they will be coded.
 
-use flb_format::field::site_of;
+use flb_format::light::SunBasis;
+use flb_format::mean_light::MeanLight;
+use flb_format::sample::site_of;
 use flb_format::sun::harmonics;
-use flb_format::{Field, MeanLight, SpeciesMeta, SunBasis, mean_light};
+use flb_format::{Field, SpeciesMeta, mean_light};
 use flb_transport::cholesky;
 
 /// Highest degree for light of single suns, which are few.

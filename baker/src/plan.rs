@@ -12,9 +12,10 @@ pub mod solar;
 
 use std::collections::HashSet;
 
+use flb_format::Placement;
+use flb_format::bases::BaseSet;
 use flb_format::meta::Bounds;
 use flb_format::sun::reach::{Reach, Rotation, SunSet, Zone};
-use flb_format::{BaseSet, Placement};
 
 pub use file::{Plan, PlanError, PlannedSpecies, SpeciesPlan};
 pub use screen::OnScreen;

@@ -28,8 +28,10 @@ mod ground;
 mod tests;
 
 use flb_format::colors::color_bands;
-use flb_format::turbid::{INCLINATIONS, LeafAngles, TurbidMedium};
-use flb_format::{BandSurfaces, Grid, LeafSurface, Placement, Surfaces, WoodSurface};
+use flb_format::matter::{
+    BandSurfaces, INCLINATIONS, LeafAngles, LeafSurface, Surfaces, TurbidMedium, WoodSurface,
+};
+use flb_format::{Grid, Placement};
 
 use crate::crown::Crown;
 use deposit::Sums;

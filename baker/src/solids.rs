@@ -4,7 +4,7 @@
 //! behind it. So the light at a solid is *gathered*. From points on its surface rays go into the open hemisphere,
 //! through the mesh itself, until they meet the sky or matter; matter sends out the light that the solve found in its
 //! site. What is gathered becomes values of the sites in front of the surface (`fit.rs`), where readers sample it
-//! ([`flb_format::SOLID_OFFSET`]).
+//! ([`flb_format::sample::SOLID_OFFSET`]).
 //!
 //! A value is four times an irradiance: a reader takes a quarter of it on every surface, leaf or solid.
 
@@ -15,7 +15,10 @@ mod points;
 mod radiosity;
 mod ringing;
 
-use flb_format::{Cancelled, Field, Medium, Progress, SunBasis, TurbidMedium};
+use flb_format::light::SunBasis;
+use flb_format::matter::TurbidMedium;
+use flb_format::progress::{Cancelled, Progress};
+use flb_format::{Field, Medium};
 use flb_scene::ClassedMesh;
 use flb_scene::extents::has_walls;
 use flb_scene::rays::{RayMesh, RayMeshError};

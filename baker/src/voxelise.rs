@@ -15,12 +15,12 @@
 //!
 //! Work is shared out by horizontal layers along z; a layer's result is written by one thread, in order.
 
-use flb_format::{Grid, Progress};
+use flb_format::Grid;
+use flb_format::progress::Progress;
 
 use flb_scene::alpha::Coverage;
-use flb_scene::class::MaterialClass;
-use flb_scene::mesh::Mesh;
 use flb_scene::plant::plant_bounds;
+use flb_scene::{MaterialClass, Mesh};
 
 mod area;
 mod clips;

@@ -149,7 +149,7 @@ pub(crate) struct MeshArgs {
     #[arg(long, value_enum)]
     pub up: Option<Up>,
     /// Unit of the mesh file: m, cm, mm, in, ft, or metres as a number [default: the species file's, else m]
-    #[arg(long, value_name = "UNIT", value_parser = flb_scene::parse_unit)]
+    #[arg(long, value_name = "UNIT", value_parser = flb_scene::unit::parse_unit)]
     pub unit: Option<f64>,
     /// The one mesh of a glTF file to read, in its own space, by its name or as #3; `*`: the whole file as one plant,
     /// which must be said where it holds instances (EXT_mesh_gpu_instancing) [default: the species file's]
@@ -359,7 +359,8 @@ pub(crate) struct DoctorArgs {
 mod tests {
     use clap::CommandFactory;
     use flb_baker::crown::LeafAngleChoice;
-    use flb_format::{Codec, FieldKind};
+    use flb_format::Codec;
+    use flb_format::light::FieldKind;
     use flb_transport::ordinates::NamedSuns;
 
     use super::*;

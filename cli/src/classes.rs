@@ -2,10 +2,10 @@
 
 use std::path::{Path, PathBuf};
 
-use flb_scene::import::ImportSettings;
-use flb_scene::plant::{ClassedMesh, PlantReader};
 use flb_scene::scene::SceneSpecies;
-use flb_scene::{ClassRules, Mesh, Observer, SpeciesFile, Unobserved};
+use flb_scene::{
+    ClassRules, ClassedMesh, ImportSettings, Mesh, Observer, PlantReader, SpeciesFile, Unobserved,
+};
 use flb_stage::open;
 
 use crate::args::MeshArgs;

@@ -13,8 +13,9 @@ use flb_baker::voxelise::VoxelError;
 use flb_eval::EvalError;
 use flb_files::FileError;
 use flb_fixtures::GrowError;
+use flb_format::FormatError;
 use flb_format::colors::BandsError;
-use flb_format::{ErrorClass, FormatError};
+use flb_format::error::ErrorClass;
 #[cfg(any(feature = "gpu", feature = "view"))]
 use flb_gpu::DeviceError;
 use flb_inspector::InspectError;
@@ -24,8 +25,10 @@ use flb_render::RenderError;
 use flb_render_gpu::ForestError;
 #[cfg(feature = "gpu")]
 use flb_runtime::gpu::GpuError as LightError;
-use flb_runtime::{LocationError, RuntimeError, is_replaced};
-use flb_scene::import::{Fault, ImportError};
+use flb_runtime::source::is_replaced;
+use flb_runtime::{LocationError, RuntimeError};
+use flb_scene::ImportError;
+use flb_scene::import::Fault;
 use flb_scene::scene::scatter::ScatterError;
 use flb_scene::sky::SkyError;
 use flb_stage::StageError;

@@ -5,7 +5,7 @@ use std::sync::Arc;
 use flb_files::publish;
 use flb_inspector::extract::{Volume, slice_sheet_png, volume_exr, volume_npy};
 use flb_runtime::Library;
-use flb_stage::PlantLight;
+use flb_stage::plant::PlantLight;
 use serde::Serialize;
 
 use crate::args::{ExtractArgs, VolumeFormat};

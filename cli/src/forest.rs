@@ -3,16 +3,17 @@
 use std::path::{Path, PathBuf};
 
 use flb_files::check_unread;
-use flb_render::picture::SHEET_GAP;
-use flb_render::{Look, Picture, Shading, contact_sheet};
+use flb_render::picture::{SHEET_GAP, contact_sheet};
+use flb_render::{Look, Picture, Shading};
 use flb_runtime::Library;
 use flb_runtime::scene_light::SceneLight;
 use flb_scene::Step;
 use flb_scene::scene::{Scene, SceneSpecies};
+use flb_stage::backend::GpuCount;
 use flb_stage::open::{self, mesh_file};
+use flb_stage::plant::{PlantLight, ScenePlant};
 use flb_stage::{
-    Backend, FrameSettings, GpuCount, LookSettings, OpenSettings, PlantLight, SceneLook, ScenePlant,
-    SceneRenderer, Stage, frames,
+    Backend, FrameSettings, LookSettings, OpenSettings, SceneLook, SceneRenderer, Stage, frames,
 };
 use serde::Serialize;
 

@@ -1,6 +1,7 @@
 //! `flb info`: what is in a file.
 
-use flb_format::{SunBasis, Texel};
+use flb_format::light::SunBasis;
+use flb_format::material_surface::Texel;
 use flb_inspector::info::{Info, LightInfo, SpeciesInfo, info};
 use serde::Serialize;
 

@@ -7,7 +7,7 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use flb_files::{check_unread, guard_input};
 use flb_format::text::url;
 #[cfg(feature = "remote")]
-use flb_runtime::RemoteSettings;
+use flb_runtime::source::RemoteSettings;
 use flb_runtime::{Library, Location};
 use flb_scene::import::named_files;
 use flb_scene::scene::Scene;

@@ -10,7 +10,7 @@ use flb_files::check_unread;
 use flb_format::provenance::IGNORE_ALPHA;
 use flb_runtime::SpeciesLight;
 use flb_scene::Step;
-use flb_stage::PlantLight;
+use flb_stage::plant::PlantLight;
 use flb_transport::monte_carlo::judge::suns;
 use serde::Serialize;
 

@@ -59,7 +59,7 @@ use clap::Parser;
 
 use args::{Cli, Command};
 use exit::Failure;
-use flb_runtime::retry_replaced;
+use flb_runtime::source::retry_replaced;
 use print::say;
 
 #[global_allocator]

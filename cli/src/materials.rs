@@ -3,12 +3,12 @@
 
 use flb_files::publish;
 use flb_render::classes::class_views;
-use flb_render::png_of;
+use flb_render::picture::png_of;
 use flb_scene::classify::table::{MaterialRow, PartRow, parts, rows, text_table};
 use flb_scene::classify::{Found, found};
-use flb_scene::extents::number;
+use flb_scene::extents::{Extents, number};
 use flb_scene::unit::metres_in;
-use flb_scene::{Extents, MaterialClass, Mesh};
+use flb_scene::{MaterialClass, Mesh};
 use serde::Serialize;
 
 use crate::args::MaterialsArgs;

@@ -2,7 +2,8 @@
 
 use std::path::Path;
 
-use flb_format::{MeshMatch, SpeciesMeta};
+use flb_format::SpeciesMeta;
+use flb_format::mesh::MeshMatch;
 use flb_scene::{ClassedMesh, Observer};
 pub(crate) use flb_stage::MeshOfLight;
 

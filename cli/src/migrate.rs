@@ -1,6 +1,6 @@
 //! `flb migrate`: a file of an older version of the format, rewritten as the present one.
 
-use flb_format::records::VERSION;
+use flb_format::container::records::VERSION;
 use flb_inspector::Level;
 use flb_packer::{Copier, EncodedSpecies, write_library};
 use flb_runtime::Location;

@@ -3,8 +3,10 @@
 use std::path::Path;
 
 use flb_baker::plan::Plan;
+use flb_format::Codec;
+use flb_format::bases::BaseSet;
 use flb_format::container::Species;
-use flb_format::{BaseSet, Codec, Progress};
+use flb_format::progress::Progress;
 use flb_packer::leave_out::{keep_bases, keep_coded_bases};
 use flb_packer::{Copier, EncodeSettings, EncodedSpecies, encode_species, load_species, write_library};
 use flb_scene::Step;

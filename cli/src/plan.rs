@@ -4,7 +4,7 @@ use std::path::Path;
 
 use flb_baker::plan::{Need, Outline, Plan, plan};
 use flb_files::publish;
-use flb_format::BaseSet;
+use flb_format::bases::BaseSet;
 use flb_format::meta::Bounds;
 use flb_runtime::Library;
 use flb_scene::scene::{Scene, SceneSky, SceneSpecies, Suns};

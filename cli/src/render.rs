@@ -4,11 +4,13 @@ use std::path::Path;
 
 use flb_files::check_unread;
 use flb_format::SpeciesMeta;
-use flb_render::picture::SHEET_GAP;
-use flb_render::{Look, Portrait, Shading, contact_sheet};
+use flb_render::picture::{SHEET_GAP, contact_sheet};
+use flb_render::{Look, Portrait, Shading};
 use flb_scene::scene::SceneSky;
 use flb_scene::{ClassedMesh, Step};
-use flb_stage::{PlantLight, PlantLook, PlantRenderer, StageSky};
+use flb_stage::StageSky;
+use flb_stage::alone::{PlantLook, PlantRenderer};
+use flb_stage::plant::PlantLight;
 
 use crate::args::{RenderArgs, RenderBackendArg};
 use crate::exit::{Failure, USAGE};

@@ -1,8 +1,9 @@
 //! What following a plan saves: for the summaries of `bake` and `pack`.
 
+use flb_format::SpeciesMeta;
+use flb_format::bases::BaseSet;
 use flb_format::container::Species;
-use flb_format::records::{KIND_AVERAGES, KIND_BASE, KIND_DETAIL};
-use flb_format::{BaseSet, SpeciesMeta};
+use flb_format::container::records::{KIND_AVERAGES, KIND_BASE, KIND_DETAIL};
 use flb_packer::EncodedSpecies;
 use serde::Serialize;
 

@@ -6,9 +6,9 @@ mod text;
 use std::path::{Path, PathBuf};
 
 use flb_files::publish;
-use flb_scene::import::{ImportSettings, Plant, Stand, Up, read_stand};
+use flb_scene::import::{Plant, Stand, Up, read_stand};
 use flb_scene::scene::HeightMap;
-use flb_scene::species::SpeciesFile;
+use flb_scene::{ImportSettings, SpeciesFile};
 use serde::Serialize;
 
 use crate::args::SceneArgs;

@@ -3,8 +3,8 @@
 
 use std::path::Path;
 
-use flb_scene::extents::number;
-use flb_scene::{ClassedMesh, Doubt, Extents, ImportSettings, doubts};
+use flb_scene::extents::{Doubt, Extents, doubts, number};
+use flb_scene::{ClassedMesh, ImportSettings};
 use serde::Serialize;
 
 use crate::exit::{Failure, VERDICT};
@@ -126,7 +126,7 @@ impl Mend {
         let sizes: Vec<String> = units
             .iter()
             .map(|(unit, longest_m)| {
-                let unit_m = flb_scene::parse_unit(unit).ok().filter(|_| self == Mend::SpeciesFile);
+                let unit_m = flb_scene::unit::parse_unit(unit).ok().filter(|_| self == Mend::SpeciesFile);
                 let unit = unit_m.map_or((*unit).to_owned(), |unit_m| unit_m.to_string());
                 format!("with {unit} it is {} m", number(*longest_m))
             })
@@ -149,8 +149,8 @@ impl Mend {
 
 #[cfg(test)]
 mod tests {
-    use flb_scene::Up;
     use flb_scene::extents::Side;
+    use flb_scene::import::Up;
 
     use super::*;
 

@@ -5,7 +5,7 @@ use std::thread;
 use std::time::{Duration, Instant};
 
 use flb_baker::bake::{BakeObserver, Event, SolveSummary};
-use flb_format::Progress;
+use flb_format::progress::Progress;
 use flb_scene::{Observer, Step};
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 use serde::Serialize;

@@ -6,13 +6,13 @@ use std::sync::Arc;
 use flb_files::publish;
 use flb_format::Placement;
 use flb_format::sun::towards_sun;
-use flb_runtime::Daylight;
-use flb_runtime::Library;
 use flb_runtime::residency::{NeedFinder, Placed, ResidencySettings, Units};
 use flb_runtime::stream::replay::{Link, Moment, Trace, replay};
 use flb_runtime::view::Camera;
+use flb_runtime::{Daylight, Library};
 use flb_scene::scene::Scene;
-use flb_stage::{FramePath, FrameSettings, SceneFrame, StageError};
+use flb_stage::frames::FramePath;
+use flb_stage::{FrameSettings, SceneFrame, StageError};
 use serde::Serialize;
 
 use crate::args::StreamArgs;

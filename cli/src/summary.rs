@@ -1,7 +1,7 @@
 //! What `bake` and `pack` say at the end about each species and each stage.
 
+use flb_format::container::records::{KIND_AVERAGES, KIND_BASE, KIND_BLOCKS, KIND_DETAIL};
 use flb_format::provenance::SURFACE_PSNR_DB;
-use flb_format::records::{KIND_AVERAGES, KIND_BASE, KIND_BLOCKS, KIND_DETAIL};
 use flb_packer::EncodedSpecies;
 use serde::Serialize;
 

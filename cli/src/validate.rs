@@ -1,8 +1,10 @@
 //! `flb validate`: does a file keep every promise of SPEC.md?
 
-use flb_format::{ErrorClass, Source};
+use flb_format::Source;
+use flb_format::error::ErrorClass;
 use flb_inspector::validate::{Issue, Level, Report, validate};
-use flb_runtime::{FileSource, Location, RuntimeError, retry_replaced};
+use flb_runtime::source::{FileSource, retry_replaced};
+use flb_runtime::{Location, RuntimeError};
 use serde::Serialize;
 
 use crate::args::ValidateArgs;
@@ -94,8 +96,10 @@ pub(crate) fn look(location: &Location, level: Level) -> Result<Report, Failure>
     let opened: Result<Box<dyn Source>, RuntimeError> = match location {
         Location::File(path) => FileSource::open(path).map(|source| Box::new(source) as _),
         #[cfg(feature = "remote")]
-        Location::Remote(url) => flb_runtime::RemoteSource::open(url, &crate::inputs::remote_settings())
-            .map(|source| Box::new(source) as _),
+        Location::Remote(url) => {
+            flb_runtime::source::RemoteSource::open(url, &crate::inputs::remote_settings())
+                .map(|source| Box::new(source) as _)
+        }
     };
     match opened {
         Ok(source) => look_at(location, source.as_ref(), level),

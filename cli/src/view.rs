@@ -5,11 +5,13 @@ use std::time::Duration;
 
 use flb_files::{check_unread, publish};
 use flb_gpu::Gpu;
+use flb_render::Look;
 use flb_render::forest::Eye;
-use flb_render::{Look, png_of};
+use flb_render::picture::png_of;
 use flb_scene::scene::{Scene, Suns};
+use flb_stage::plant::ScenePlant;
 use flb_stage::stream::{Painted, Painter, Shot, Show};
-use flb_stage::{LookSettings, SceneLook, ScenePlant, Stage, StageError};
+use flb_stage::{LookSettings, SceneLook, Stage, StageError};
 use flb_view::screen::Screen;
 use flb_view::{Controls, ViewError, window};
 use serde::Serialize;

@@ -1,6 +1,6 @@
 //! The light of a coded species on its mesh, before it is written.
 
-use flb_format::MeshError;
+use flb_format::mesh::MeshError;
 use flb_format::provenance::IGNORE_ALPHA;
 use flb_packer::{EncodeSettings, EncodedSpecies, write_library_to};
 use flb_runtime::{Library, SpeciesLight};

@@ -7,7 +7,8 @@
 
 use flb_render::Surfaces;
 use flb_render::irradiance::{Estimate, PointIrradiance};
-use flb_scene::{MaterialClass, SurfacePoint};
+use flb_scene::MaterialClass;
+use flb_scene::surface_points::SurfacePoint;
 use rayon::prelude::*;
 use serde::Serialize;
 
@@ -93,8 +94,8 @@ struct Pair {
     found: [f64; 3],
 }
 
-/// Compares light with the truth of the same points ([`flb_render::irradiance()`]), which was traced with the same
-/// surfaces.
+/// Compares light with the truth of the same points ([`flb_render::irradiance::irradiance`]), which was traced with the
+/// same surfaces.
 pub fn compare(
     points: &[SurfacePoint],
     truth: &[PointIrradiance],

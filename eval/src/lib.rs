@@ -9,7 +9,8 @@
 //! # fn main() -> Result<(), Box<dyn std::error::Error>> {
 //! use flb_eval::{JudgeSettings, MeshJudge, judged_points, judged_surfaces};
 //! use flb_runtime::{Library, SpeciesLight};
-//! use flb_scene::{ClassRules, ImportSettings, PlantReader, Unobserved, import};
+//! use flb_scene::import::import;
+//! use flb_scene::{ClassRules, ImportSettings, PlantReader, Unobserved};
 //! use flb_transport::monte_carlo::judge;
 //!
 //! let library = Library::open("oak.flb")?;

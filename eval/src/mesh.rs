@@ -1,10 +1,15 @@
 //! The light of a file against paths traced on its mesh.
 
-use flb_format::{ClassError, FieldKind, MeshError, SourceError, SpeciesMeta};
+use flb_format::SpeciesMeta;
+use flb_format::light::FieldKind;
+use flb_format::mesh::{ClassError, MeshError, SourceError};
 use flb_render::irradiance::PointIrradiance;
-use flb_render::{RenderError, Surfaces, irradiance};
+use flb_render::irradiance::irradiance;
+use flb_render::{RenderError, Surfaces};
 use flb_runtime::{Daylight, InstanceLight, RuntimeError, SpeciesLight};
-use flb_scene::{ClassedMesh, Observer, Step, SurfacePoint, surface_points};
+use flb_scene::surface_points::SurfacePoint;
+use flb_scene::surface_points::surface_points;
+use flb_scene::{ClassedMesh, Observer, Step};
 use rayon::prelude::*;
 
 use crate::EvalError;
@@ -126,7 +131,7 @@ impl MeshTruth {
     /// Traces `samples` paths from each side of each point, under each sun and the sky.
     ///
     /// # Errors
-    /// [`EvalError::Render`], as [`flb_render::irradiance()`].
+    /// [`EvalError::Render`], as [`flb_render::irradiance::irradiance`].
     pub fn trace(
         ClassedMesh { mesh, classes }: &ClassedMesh,
         surfaces: Surfaces,

@@ -1,9 +1,10 @@
 //! Pictures of a judged plant: what the file makes of a light, what traced paths make of it, and how they differ.
 
-use flb_render::picture::SHEET_GAP;
+use flb_format::Daylight;
+use flb_render::picture::{SHEET_GAP, png_of};
+use flb_render::reference::render_reference;
 use flb_render::{
-    Daylight, Indirect, LightQuery, Lighting, Look, Picture, Portrait, RenderError, Species, png_of,
-    render_plant, render_reference,
+    Indirect, LightQuery, Lighting, Look, Picture, Portrait, RenderError, Species, render_plant,
 };
 use flb_scene::{ClassedMesh, Observer, Step};
 

@@ -1,6 +1,7 @@
 use flb_baker::bake::{BakeSettings, ModelSettings, NoStore, PhysicalSettings, bake};
 use flb_fixtures::{PlantKind, grow};
-use flb_format::{MaterialSurface, Quality};
+use flb_format::Quality;
+use flb_format::material_surface::MaterialSurface;
 use flb_packer::{EncodeSettings, encode_species, write_library_to};
 use flb_runtime::{Library, SpeciesLight};
 use flb_scene::{ClassedMesh, MaterialClass, Plant, Unobserved};
@@ -52,7 +53,7 @@ fn coded_light_is_judged_with_the_surfaces_that_its_file_states() {
     write_library_to(&mut bytes, &[&coded]).expect("memory");
     let library = Library::from_source("shrub", Box::new(bytes)).expect("a good file");
     let meta = &library.container().species()[0].meta;
-    assert_eq!(flb_format::MeshError::of(meta).as_ref(), Some(&error));
+    assert_eq!(flb_format::mesh::MeshError::of(meta).as_ref(), Some(&error));
     let light = SpeciesLight::load(&library, 0).expect("light");
     let sky = |mesh: &ClassedMesh| {
         let points = judged_points(mesh, settings.points, false).expect("leaves");

@@ -4,7 +4,7 @@
 //! TurbidMedium -area of each site-> triangles
 //! ```
 
-use flb_format::TurbidMedium;
+use flb_format::matter::TurbidMedium;
 
 /// Position and normal in the frame of the model, and 0 for a leaf or 1 for wood.
 pub(crate) type Vertex = [f32; 7];

@@ -61,8 +61,9 @@ impl Plant {
         let [red, green, blue] = &surfaces.bands[..] else {
             unreachable!("three were chosen");
         };
-        let rgb =
-            |of: fn(&flb_format::BandSurfaces) -> f64| [red, green, blue, blue].map(|band| of(band) as f32);
+        let rgb = |of: fn(&flb_format::matter::BandSurfaces) -> f64| {
+            [red, green, blue, blue].map(|band| of(band) as f32)
+        };
 
         // The light: all bases of the species, sent once. A forest streams them (`flb_runtime::gpu::Follower`).
         let mut light = GpuLight::new(device, queue, LightSettings::default())?;

@@ -4,7 +4,7 @@ use criterion::{Criterion, criterion_group, criterion_main};
 use flb_format::Grid;
 use flb_format::beam::walk::uncollided_ray_by_ray;
 use flb_format::beam::{BEAM_RAYS, Near, Sites, single, uncollided};
-use flb_format::turbid::{LeafAngles, TurbidMedium};
+use flb_format::matter::{LeafAngles, TurbidMedium};
 
 /// A crown: a ball of clumps that fill a third of it, thin inside.
 fn crown(lattice: u32) -> TurbidMedium {

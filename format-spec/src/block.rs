@@ -5,7 +5,7 @@
 //! axis covers the texels `3b ..= 3b + 3`; texels past `N - 1` repeat texel `N - 1`.
 //!
 //! A coded block is a 64-bit mask and `popcount(mask)` coefficients of every band, `[kept][band]`. Bit `i`
-//! stands for the coefficient at `[z][y][x]`, `i = 16 z + 4 y + x` (positions of [`crate::haar`]), and
+//! stands for the coefficient at `[z][y][x]`, `i = 16 z + 4 y + x` (positions of `haar.rs`), and
 //! coefficients follow in ascending order of their bits. Bit 0, the average, is set unless the average is
 //! exactly 0 in every band; any other bit is set where any band's magnitude exceeds the threshold.
 //!
@@ -13,7 +13,7 @@
 //!
 //! 1. Mask 0: every texel is `+0`. Mask 1: every texel is the coefficient, unchanged.
 //! 2. Otherwise write the coefficients to their places and `+0` to the others, then run the inverse
-//!    transform of [`crate::haar`]: axis x, then y, then z, in binary32 as written there.
+//!    transform of `haar.rs`: axis x, then y, then z, in binary32 as written there.
 //!
 //! An encoder never writes `-0`.
 

@@ -14,9 +14,10 @@ pub mod payload;
 pub mod records;
 pub mod verify;
 
-use crate::block;
 use crate::error::{FormatError, Place};
-use crate::{Class, Field, Medium, Source, SpeciesMeta, TurbidMedium, room};
+use crate::medium::Class;
+use crate::turbid::TurbidMedium;
+use crate::{Field, Medium, Source, SpeciesMeta, block, room};
 
 use self::payload::{BlockPage, PageContext};
 use self::records::{Codec, Header, KIND_METADATA, PageEntry, SectionEntry};

@@ -29,17 +29,17 @@
 /// Samples along one edge of a block.
 pub const EDGE: usize = 4;
 /// Samples in a block.
-pub const SAMPLES: usize = EDGE * EDGE * EDGE;
+pub(crate) const SAMPLES: usize = EDGE * EDGE * EDGE;
 
 /// `BASIS[position][sample]`: the basis function of each coefficient of one axis.
-pub const BASIS: [[f32; EDGE]; EDGE] =
+pub(crate) const BASIS: [[f32; EDGE]; EDGE] =
     [[1.0, 1.0, 1.0, 1.0], [1.0, 1.0, -1.0, -1.0], [1.0, -1.0, 0.0, 0.0], [0.0, 0.0, 1.0, -1.0]];
 
 /// Forward transform in place: samples `[z][y][x][band]` to coefficients `[z][y][x][band]`.
 ///
 /// # Panics
 /// If `values` is not `64 * bands` long.
-pub fn forward(values: &mut [f32], bands: usize) {
+pub(crate) fn forward(values: &mut [f32], bands: usize) {
     along_each_axis(values, bands, [16, 4, 1], |[a, b, c, d]| {
         let s = (a + b) * 0.5;
         let t = (c + d) * 0.5;
@@ -51,7 +51,7 @@ pub fn forward(values: &mut [f32], bands: usize) {
 ///
 /// # Panics
 /// If `values` is not `64 * bands` long.
-pub fn inverse(values: &mut [f32], bands: usize) {
+pub(crate) fn inverse(values: &mut [f32], bands: usize) {
     along_each_axis(values, bands, [1, 4, 16], |[k0, k1, k2, k3]| {
         let s = k0 + k1;
         let t = k0 - k1;

@@ -1,7 +1,22 @@
 //! The `.flb` format: the types that every room shares, the block codec, and the checked parse of a
 //! container. No files, no threads, no GPU, no unsafe: bytes come through [`Source`].
 //!
-//! `SPEC.md` beside this crate is normative; this crate follows it.
+//! ```
+//! use flb_format::Container;
+//!
+//! # fn main() -> Result<(), Box<dyn std::error::Error>> {
+//! let bytes = std::fs::read("golden/haar.flb")?;
+//! let container = Container::open(&bytes)?; // every promise about its tables is checked
+//! let plant = &container.species()[0].meta;
+//! let sky = container.read_field(&bytes, 0, 0)?; // of the first plant, under an even sky
+//! assert_eq!(sky.lattice, plant.grid.lattice);
+//! # Ok(())
+//! # }
+//! ```
+//!
+//! `SPEC.md` beside this crate is normative; this crate follows it. The root has what a reader or writer of a file
+//! meets first. Below it, [`matter`], [`light`] and [`mesh`] say what a species holds, [`container`] and [`blocks`] how
+//! that lies in bytes, [`beam`] and [`sun`] which formulas readers and writers share.
 #![forbid(unsafe_code)]
 #![deny(clippy::print_stdout, clippy::print_stderr)] // cli/src/print.rs alone prints
 
@@ -12,62 +27,62 @@ pub mod blocks;
 pub mod canonical;
 pub mod colors;
 pub mod container;
-pub mod daylight;
+mod daylight;
 pub mod direction;
 pub mod error;
 pub mod eye;
-pub mod field;
-pub mod haar;
+mod field;
+mod haar;
 pub mod light;
 pub mod material_surface;
 pub mod mean_light;
-pub mod medium;
-pub mod mesh_error;
-pub mod mesh_mark;
+mod medium;
+mod mesh_error;
+mod mesh_mark;
 pub mod meta;
 pub mod model;
-pub mod optics;
+mod optics;
 pub mod ordinates;
 pub mod progress;
 pub mod provenance;
-pub mod quality;
+mod quality;
 pub mod room;
 pub mod sample;
 pub mod scene_light;
 pub mod size_text;
 pub mod sky_part;
-pub mod source;
-pub mod species;
+mod source;
+mod species;
 pub mod sun;
-pub mod surfaces;
+mod surfaces;
 #[cfg(feature = "testing")]
 pub mod testing;
 pub mod text;
-pub mod transform;
-pub mod turbid;
+mod transform;
+mod turbid;
 
-pub use bases::BaseSet;
-pub use container::records::{Codec, SectionEntry, SectionKey};
-pub use container::{Container, payload, records};
+/// Matter of a plant, as solvers see it: classes of sites, optics and surfaces of each class, leaf area in each site.
+pub mod matter {
+    pub use crate::medium::{Class, rounded};
+    pub use crate::optics::{BandOptics, ClassOptics, Optics};
+    pub use crate::surfaces::{BandSurfaces, LeafSurface, Surfaces, WoodSurface};
+    pub use crate::turbid::{INCLINATIONS, LeafAngles, TurbidMedium};
+}
+
+/// Words of a file about the mesh that its light was made on: a mark to know it by, and errors measured on it.
+pub mod mesh {
+    pub use crate::mesh_error::{ClassError, MESH_ERROR, MeshError, SourceError};
+    pub use crate::mesh_mark::{FIT_SHARE, MeshFit, MeshMark, MeshMatch, digest};
+}
+
+pub use container::Container;
+pub use container::records::Codec;
 pub use daylight::Daylight;
-pub use error::{ErrorClass, FormatError, Place};
-pub use eye::Eye;
-pub use field::{Field, Grid, site_of};
-pub use light::{FieldKind, Light, LightError, MonteCarloError, SunBasis};
-pub use material_surface::{MaterialSurface, Texel};
-pub use mean_light::MeanLight;
-pub use medium::{Class, Medium};
-pub use mesh_error::{ClassError, MESH_ERROR, MeshError, SourceError};
-pub use mesh_mark::{MeshMark, MeshMatch};
+pub use error::FormatError;
+pub use field::{Field, Grid};
+pub use medium::Medium;
 pub use meta::SpeciesMeta;
-pub use model::Model;
-pub use optics::{BandOptics, ClassOptics, Optics};
-pub use progress::{Cancelled, Progress};
 pub use quality::Quality;
-pub use sample::SOLID_OFFSET;
-pub use sky_part::SkyPart;
 pub use source::Source;
 pub use species::SpeciesFields;
-pub use surfaces::{BandSurfaces, LeafSurface, Surfaces, WoodSurface};
 pub use transform::{Placement, Transform};
-pub use turbid::{LeafAngles, TurbidMedium};

@@ -50,9 +50,9 @@ impl Medium {
 
 /// Bits of the significand that area densities and extinctions keep, the leading one counted: to 0.1 %. The digits
 /// behind are noise of how they are measured, and noise does not compress.
-pub const SIGNIFICANT_BITS: u32 = 10;
+pub(crate) const SIGNIFICANT_BITS: u32 = 10;
 
-/// A finite number that is not negative, with [`SIGNIFICANT_BITS`]; a subnormal one stays as it is.
+/// A finite number that is not negative, rounded to 10 bits of its significand; a subnormal one stays as it is.
 pub fn rounded(value: f32) -> f32 {
     if !value.is_normal() {
         return value;

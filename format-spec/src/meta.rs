@@ -6,7 +6,13 @@ use std::collections::BTreeMap;
 
 use serde::{Deserialize, Serialize};
 
-use crate::{BaseSet, Grid, Light, MeanLight, Model, Optics, Surfaces};
+use crate::Grid;
+use crate::bases::BaseSet;
+use crate::light::Light;
+use crate::mean_light::MeanLight;
+use crate::model::Model;
+use crate::optics::Optics;
+use crate::surfaces::Surfaces;
 
 /// Largest size of a text for people, in bytes, UTF-8: the reason why something was left out, the name of the tool.
 pub const MAX_REASON_BYTES: usize = 1000;

@@ -3,7 +3,8 @@
 //! Nothing else of this crate asks which of the two it is: what differs between them is asked here, by what it means.
 
 use crate::light::{Light, SunBasis};
-use crate::{Optics, Surfaces};
+use crate::optics::Optics;
+use crate::surfaces::Surfaces;
 
 /// The light transport model of a species, with what belongs to it alone.
 #[derive(Debug, Clone, PartialEq)]

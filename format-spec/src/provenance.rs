@@ -1,5 +1,5 @@
 //! How a species was made, as its metadata record it ([`SpeciesMeta::settings`]): keys with the kind of their values.
-//! What readers check has readers of its own: [`crate::mesh_error`], [`crate::material_surface`],
+//! What readers check has readers of its own: [`crate::mesh`], [`crate::material_surface`],
 //! [`crate::scene_light`].
 //!
 //! Readers of light need none of it. A renderer reads the mesh as it was read; who bakes again compares.

@@ -9,6 +9,8 @@
 //! pair of linear weights projected on the four basis functions. No block is ever expanded; the cost goes
 //! with what was kept. Full decode, then [`trilinear`], is the oracle.
 
+pub use crate::field::site_of;
+
 use crate::Field;
 use crate::block::{STRIDE, blocks_per_axis};
 use crate::haar::{BASIS, EDGE};

@@ -6,7 +6,10 @@
 
 use serde_json::Value;
 
-use crate::{FieldKind, SpeciesMeta, Surfaces, TurbidMedium};
+use crate::SpeciesMeta;
+use crate::light::FieldKind;
+use crate::surfaces::Surfaces;
+use crate::turbid::TurbidMedium;
 
 /// Name of the entry of the whole scene.
 pub const SCENE_NAME: &str = "scene";

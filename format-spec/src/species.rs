@@ -1,6 +1,7 @@
 //! A species before coding: what a bake returns and a packer takes.
 
-use crate::{Field, Medium, SpeciesMeta, TurbidMedium};
+use crate::turbid::TurbidMedium;
+use crate::{Field, Medium, SpeciesMeta};
 
 /// Everything about a species that its file is made of. Baker and packer meet here alone.
 #[derive(Debug, Clone, PartialEq)]

@@ -6,9 +6,11 @@
 
 use std::collections::{BTreeMap, BTreeSet};
 
-use flb_format::container::records::Codec;
-use flb_format::container::{Container, Species};
-use flb_format::{Class, Field, Medium, Model, Place, Source, TurbidMedium, room};
+use flb_format::container::Species;
+use flb_format::error::Place;
+use flb_format::matter::{Class, TurbidMedium};
+use flb_format::model::Model;
+use flb_format::{Codec, Container, Field, Medium, Source, room};
 use serde::Serialize;
 use serde_json::Value;
 

@@ -14,7 +14,8 @@ use exr::prelude::{
     AnyChannel, AnyChannels, Compression, Encoding, FlatSamples, Image, ImageAttributes, IntegerBounds,
     Layer, LayerAttributes,
 };
-use flb_format::{Class, Field, Medium, TurbidMedium};
+use flb_format::matter::{Class, TurbidMedium};
+use flb_format::{Field, Medium};
 
 use crate::InspectError;
 

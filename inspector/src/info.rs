@@ -1,11 +1,12 @@
 //! What a file holds, as a value: for the command line's table and its JSON.
 
-use flb_format::container::Container;
+use flb_format::container::records::{self, SectionKey};
 use flb_format::container::verify::hexadecimal;
+use flb_format::light::{FieldKind, LightError, SunBasis};
+use flb_format::material_surface::MaterialSurface;
+use flb_format::mesh::MeshError;
 use flb_format::meta::LeftOut;
-use flb_format::provenance;
-use flb_format::records::{self, Codec, SectionKey};
-use flb_format::{FieldKind, LightError, MaterialSurface, MeshError, SunBasis};
+use flb_format::{Codec, Container, provenance};
 use serde::Serialize;
 
 /// Summary of a file.

@@ -1,6 +1,7 @@
 //! Does a file keep every promise of SPEC.md? Four levels, each holding the ones before it.
 
-use flb_format::{ErrorClass, FormatError, Source};
+use flb_format::error::ErrorClass;
+use flb_format::{FormatError, Source};
 use serde::Serialize;
 
 pub use flb_format::container::verify::{Level, check};

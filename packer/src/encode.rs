@@ -4,14 +4,15 @@
 mod check;
 mod near_geometry;
 
+use flb_format::container::payload::{BlockPage, SPARSE_GROUP, SparseValue};
+use flb_format::container::records::*;
 use flb_format::container::{metadata, payload};
-use flb_format::payload::{BlockPage, SPARSE_GROUP, SparseValue};
-use flb_format::provenance;
-use flb_format::records::*;
-use flb_format::{
-    Field, MESH_ERROR, Medium, MeshError, Place, Progress, Quality, SpeciesFields, SpeciesMeta, SunBasis,
-    TurbidMedium, block,
-};
+use flb_format::error::Place;
+use flb_format::light::SunBasis;
+use flb_format::matter::TurbidMedium;
+use flb_format::mesh::{MESH_ERROR, MeshError};
+use flb_format::progress::Progress;
+use flb_format::{Field, Medium, Quality, SpeciesFields, SpeciesMeta, block, provenance};
 use rayon::prelude::*;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicUsize, Ordering};

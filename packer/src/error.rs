@@ -1,7 +1,8 @@
 //! Everything that can keep a file from being packed.
 
 use flb_files::FileError;
-use flb_format::{Cancelled, FormatError};
+use flb_format::FormatError;
+use flb_format::progress::Cancelled;
 
 /// Reason why nothing was written.
 #[derive(Debug, thiserror::Error)]

@@ -1,10 +1,11 @@
 //! Dropping bases that no scene needs, before or after coding, and writing down that they were.
 
-use flb_format::BaseSet;
-use flb_format::records::{KIND_AVERAGES, KIND_BASE, KIND_DETAIL, KIND_METADATA, STORED_ZSTD};
+use flb_format::bases::BaseSet;
+use flb_format::container::records::{KIND_AVERAGES, KIND_BASE, KIND_DETAIL, KIND_METADATA, STORED_ZSTD};
 
 use crate::encode::encode_metadata;
-use crate::{EncodeSettings, EncodedSpecies, PackError, SpeciesFields};
+use crate::{EncodeSettings, EncodedSpecies, PackError};
+use flb_format::SpeciesFields;
 
 /// Drops every base that is not in `keep`. Bases that are missing already are not recorded: no plan left them out for
 /// this reason. Nothing changes where a species needs all its bases: where its suns are no lattice directions (SPEC.md,

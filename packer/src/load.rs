@@ -3,11 +3,12 @@
 use std::collections::HashMap;
 use std::sync::Arc;
 
-use flb_format::container::Container;
-use flb_format::records::*;
-use flb_format::{FormatError, Place, Source, room};
+use flb_format::container::records::*;
+use flb_format::error::Place;
+use flb_format::{Container, FormatError, Source, room};
 
-use crate::{EncodedPage, EncodedSection, EncodedSpecies, PackError, SpeciesFields, priority};
+use crate::{EncodedPage, EncodedSection, EncodedSpecies, PackError, priority};
+use flb_format::SpeciesFields;
 
 /// Decodes a species in full.
 ///

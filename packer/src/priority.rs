@@ -5,8 +5,8 @@
 //! page.
 
 use flb_format::blocks::{CodedBlock, Coding, EDGE, Head, TEXELS};
-use flb_format::payload::BlockPage;
-use flb_format::records::MAX_MAGNITUDE;
+use flb_format::container::payload::BlockPage;
+use flb_format::container::records::MAX_MAGNITUDE;
 
 /// What coefficient 0 of a block is of its average.
 const AVERAGE_TEXEL: f64 = flb_format::blocks::transform::AVERAGE_TEXEL as f64;

@@ -3,7 +3,7 @@
 //! Samples are taken as a renderer takes them: at points inside non-empty sites, from the one block that
 //! answers them, straight from its kept coefficients.
 
-use flb_format::payload::BlockPage;
+use flb_format::container::payload::BlockPage;
 use flb_format::{Field, sample};
 use serde::Serialize;
 

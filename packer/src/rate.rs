@@ -246,9 +246,9 @@ fn check(
     if bases.is_empty() {
         return Err(PackError::Empty);
     }
-    let fits = |v: &f32| v.abs() <= flb_format::records::MAX_MAGNITUDE; // not of NaN
+    let fits = |v: &f32| v.abs() <= flb_format::container::records::MAX_MAGNITUDE; // not of NaN
     let count = (lattice as usize).saturating_pow(3);
-    if !flb_format::records::LATTICES.contains(&lattice)
+    if !flb_format::container::records::LATTICES.contains(&lattice)
         || !lattice.is_power_of_two()
         || [sites.all, sites.leaves].iter().any(|list| list.len() != count)
     {
@@ -257,7 +257,8 @@ fn check(
     }
     for (base, field) in bases {
         let bands = field.bands;
-        let shaped = field.lattice == lattice && (1..=flb_format::records::MAX_BANDS).contains(&bands);
+        let shaped =
+            field.lattice == lattice && (1..=flb_format::container::records::MAX_BANDS).contains(&bands);
         if !shaped || field.values.len() != count * bands as usize {
             let found = format!("base {base} of {bands} bands and {} values", field.values.len());
             return setting("a field", found, "1 to 64 bands of N^3 values");

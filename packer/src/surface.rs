@@ -1,6 +1,8 @@
 //! Where the error of a coding is measured: points inside non-empty sites, as a renderer samples at surfaces.
 
-use flb_format::{Class, Medium, site_of};
+use flb_format::Medium;
+use flb_format::matter::Class;
+use flb_format::sample::site_of;
 
 /// Sample points in every non-empty site.
 pub const POINTS_PER_SITE: u32 = 2;

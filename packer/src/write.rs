@@ -7,7 +7,7 @@ use std::path::Path;
 
 use flb_files::{FileError, publish};
 use flb_format::container::digest::{self, Root};
-use flb_format::records::*;
+use flb_format::container::records::*;
 
 use crate::{EncodedSection, EncodedSpecies, PackError};
 

@@ -3,12 +3,12 @@
 
 use std::sync::Arc;
 
-use flb_format::Placement;
 use flb_format::container::Species;
-use flb_format::container::records::Codec;
+use flb_format::{Codec, Placement};
 use flb_gpu::Gpu;
 use flb_runtime::gpu::{GpuError, GpuLight, GpuSpecies, LightSettings, MAX_TERMS, SkyOnGpu, Term};
-use flb_runtime::{Library, RuntimeError, SkyBeams};
+use flb_runtime::light::SkyBeams;
+use flb_runtime::{Library, RuntimeError};
 
 use crate::ForestError;
 use crate::layout::Words;

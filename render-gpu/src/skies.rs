@@ -3,8 +3,9 @@
 use std::sync::Arc;
 
 use flb_format::Placement;
+use flb_runtime::RuntimeError;
 use flb_runtime::gpu::SkyOnGpu;
-use flb_runtime::{RuntimeError, SkyBeams};
+use flb_runtime::light::SkyBeams;
 use flb_scene::sky::Sky;
 use rayon::prelude::*;
 

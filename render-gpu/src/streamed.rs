@@ -2,10 +2,11 @@
 
 use std::sync::Arc;
 
-use flb_format::{Placement, SunBasis};
+use flb_format::Placement;
+use flb_format::light::SunBasis;
 use flb_gpu::Gpu;
-use flb_runtime::SkyBeams;
 use flb_runtime::gpu::{Followed, Follower, GpuLight, GpuSpeciesId, LightSettings, MAX_TERMS, SkyOnGpu};
+use flb_runtime::light::SkyBeams;
 use flb_runtime::residency::{Unit, UnitKind, Units};
 use flb_runtime::resident::Resident;
 use flb_runtime::stream::Frame;

@@ -2,7 +2,8 @@
 
 use flb_render::forest::export::SKY;
 use flb_render::forest::{Forest, Land, Scenery, Water};
-use flb_render::{Indirect, Lighting, Look, Units};
+use flb_render::shading::Units;
+use flb_render::{Indirect, Lighting, Look};
 use flb_scene::sky::Sky;
 
 use crate::layout::Words;

@@ -13,10 +13,8 @@ use std::time::{Duration, Instant};
 use flb_fixtures::{PlantKind, grow};
 use flb_format::sun::towards_sun;
 use flb_format::{Placement, Transform};
-use flb_render::forest::{
-    Eye, Forest, Fragments, Ground, InstanceSearch, Land, ModelSearch, Search, Species, View,
-};
-use flb_render::{Lighting, Look, Shading};
+use flb_render::forest::{Eye, Forest, Fragments, Ground, InstanceSearch, Land, ModelSearch, Search, View};
+use flb_render::{Lighting, Look, Shading, Species};
 use flb_scene::{MaterialClass, Mesh};
 use flb_testkit::grown;
 

@@ -2,7 +2,7 @@
 
 use std::f32::consts::PI;
 
-use flb_format::SkyPart;
+use flb_format::sky_part::SkyPart;
 use flb_scene::sky::Sky;
 use glam::Vec3;
 

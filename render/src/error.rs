@@ -1,6 +1,6 @@
 //! Why a picture could not be made.
 
-use flb_format::Cancelled;
+use flb_format::progress::Cancelled;
 use flb_scene::rays::RayMeshError;
 use thiserror::Error;
 

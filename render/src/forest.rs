@@ -40,16 +40,18 @@ use flb_format::Placement;
 use flb_scene::{MaterialClass, Mesh};
 use glam::{DMat3, DVec3};
 
-pub use flb_format::Eye;
+pub use flb_format::eye::Eye;
 pub use fragments::{Fragment, Fragments, MAX_RAYS, MAX_SKY_RAYS, View};
 pub use ground::{Ground, Land};
-pub use relight::{LightFn, LightQuery};
 pub use scenery::{Around, Scenery};
 pub use water::Water;
 
 pub use flb_scene::rays::TriangleHit;
 
-use crate::{RenderError, Shading, Units, scene::Scene, surfaces::Finish};
+use crate::scene::Scene;
+use crate::shading::Units;
+use crate::surfaces::Finish;
+use crate::{RenderError, Shading};
 use ground::GroundSurface;
 use instance_tree::InstanceTree;
 use model::Model;

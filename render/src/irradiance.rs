@@ -1,28 +1,27 @@
 //! Irradiance at points of a mesh, by paths traced on the mesh itself: what baked light is judged by.
 //!
 //! At each point and on each of its two sides, paths start in directions drawn by the cosine and run as those of
-//! [`crate::render_reference`]. One set of paths serves all suns: every surface that a path meets is lit by each of
-//! them through a shadow ray. The suns' own beams on the point itself are left out, as they are in a baked field of
-//! scattered light. The sky is even over the whole sphere; there is no ground.
+//! [`crate::reference::render_reference`]. One set of paths serves all suns: every surface that a path meets is lit by
+//! each of them through a shadow ray. The suns' own beams on the point itself are left out, as they are in a baked
+//! field of scattered light. The sky is even over the whole sphere; there is no ground.
 
 use std::f64::consts::PI;
 use std::sync::atomic::{AtomicUsize, Ordering};
 
-use flb_format::Progress;
+use flb_format::progress::Progress;
 use flb_scene::sampling::cosine_hemisphere;
-use flb_scene::{MaterialClass, Mesh, SurfacePoint};
+use flb_scene::surface_points::SurfacePoint;
+use flb_scene::{MaterialClass, Mesh};
 use glam::Vec3;
 use rayon::prelude::*;
 
-use crate::{
-    RenderError, Surfaces, hash,
-    paths::{Draw, Paths},
-    physical::Physical,
-    r2_sequence,
-    scene::{Hit, Ray, Scene, TriangleHit},
-    sun::{Sun, Sunlight, lift},
-    surfaces::{Finish, Matt},
-};
+use crate::paths::{Draw, Paths};
+use crate::physical::Physical;
+use crate::scene::{Hit, Ray, Scene, TriangleHit};
+use crate::sun::{Sun, Sunlight, lift};
+use crate::surfaces::{Finish, Matt};
+use crate::{RenderError, Surfaces, r2_sequence};
+use flb_scene::sampling::hash;
 
 /// Fluence of the sky, of which each direction has the 4 pi-th part as radiance.
 const SKY_RADIANCE: f64 = 1.0 / (4.0 * PI);

@@ -6,11 +6,9 @@ use rand_pcg::Pcg64Mcg;
 
 use flb_scene::sampling::cosine_hemisphere;
 
-use crate::{
-    hash,
-    scene::{Hit, Ray, Scene},
-    surfaces::{Finish, Matt},
-};
+use crate::scene::{Hit, Ray, Scene};
+use crate::surfaces::{Finish, Matt};
+use flb_scene::sampling::hash;
 
 /// Most times that a path is scattered. What is left of it then is lost: nothing to speak of for real leaves,
 /// which send on less than 0.9, and what a white plant hides in its depths.

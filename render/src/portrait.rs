@@ -1,7 +1,8 @@
 //! A picture of a plant alone: a forest of one, before a camera that frames it.
 
+use flb_format::progress::Progress;
 use flb_format::sun::towards_sun;
-use flb_format::{Placement, Progress, Transform};
+use flb_format::{Placement, Transform};
 use glam::DVec3;
 
 use crate::forest::{Eye, Forest, Ground, Land, Search, Species, View};

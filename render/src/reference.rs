@@ -9,7 +9,7 @@
 //! ground sends the plant no light, as in the lattice, which has no ground. Small bright parts of a sky are
 //! looked for by rays of their own (`skylight.rs`).
 
-use flb_format::Progress;
+use flb_format::progress::Progress;
 use glam::Vec3;
 
 use crate::{

@@ -8,15 +8,14 @@ use std::f32::consts::FRAC_1_PI;
 use flb_format::SpeciesMeta;
 use glam::Vec3;
 
-use crate::{
-    LightQuery, Lighting, Look, PHYSICAL_EXPOSURE, Surfaces,
-    backdrop::{OPEN_SKY, SKY_LUMINANCE, paper_sky_strength, sky_radiance},
-    paper::Paper,
-    physical::Physical,
-    scene::Hit,
-    sun::Sunlight,
-    surfaces::Finish,
-};
+use crate::backdrop::{OPEN_SKY, SKY_LUMINANCE, paper_sky_strength, sky_radiance};
+use crate::paper::Paper;
+use crate::physical::Physical;
+use crate::picture::PHYSICAL_EXPOSURE;
+use crate::scene::Hit;
+use crate::sun::Sunlight;
+use crate::surfaces::Finish;
+use crate::{LightQuery, Lighting, Look, Surfaces};
 
 /// Fluence of the sky by default in the `physical` shading, the sun's being 1: a clear day's diffuse light.
 pub const PHYSICAL_SKY: f32 = 0.36;

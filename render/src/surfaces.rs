@@ -1,6 +1,7 @@
 //! What surfaces do with light in the `physical` shading, per band R, G, B.
 
-use flb_format::{BandSurfaces, SpeciesMeta};
+use flb_format::SpeciesMeta;
+use flb_format::matter::BandSurfaces;
 use flb_scene::MaterialClass;
 use flb_scene::color::{Law, ROUNDING, Shares};
 use glam::Vec3;
@@ -33,7 +34,7 @@ impl Surfaces {
     ///
     /// # Panics
     /// For fewer than three bands.
-    pub fn of(surfaces: &flb_format::Surfaces, meta: &SpeciesMeta) -> Surfaces {
+    pub fn of(surfaces: &flb_format::matter::Surfaces, meta: &SpeciesMeta) -> Surfaces {
         let of =
             |share: fn(&BandSurfaces) -> f64| std::array::from_fn(|band| share(&surfaces.bands[band]) as f32);
         Surfaces {

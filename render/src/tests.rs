@@ -1,11 +1,13 @@
 use std::f32::consts::FRAC_1_SQRT_2;
 use std::sync::Arc;
 
+use flb_format::Daylight;
 use flb_scene::mesh::{AlphaMode, Image, Material, Texture, Wrap};
 use flb_scene::sky::{Sky, SkyImage};
 use flb_scene::{MaterialClass, Mesh};
 
 use super::*;
+use crate::reference::{Reference, render_reference};
 
 /// Sums of a few products in f32.
 const ROUNDING: f32 = 2e-6;

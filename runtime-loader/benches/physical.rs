@@ -10,13 +10,14 @@ use std::hint::black_box;
 use criterion::{Criterion, Throughput, criterion_group, criterion_main};
 use flb_fixtures::{Plant, PlantKind};
 use flb_format::beam::BEAM_RAYS;
+use flb_format::light::{Light, SunBasis};
+use flb_format::matter::{BandSurfaces, Class, LeafAngles, LeafSurface, Surfaces, TurbidMedium, WoodSurface};
 use flb_format::meta::{Bounds, TriangleCounts};
-use flb_format::{
-    BandSurfaces, Class, Field, Grid, LeafAngles, LeafSurface, Light, Medium, Model, SpeciesMeta, SunBasis,
-    Surfaces, TurbidMedium, WoodSurface,
-};
-use flb_packer::{EncodeSettings, SpeciesFields, encode_species, write_library_to};
-use flb_runtime::{Library, PhysicalSampler};
+use flb_format::model::Model;
+use flb_format::{Field, Grid, Medium, SpeciesFields, SpeciesMeta};
+use flb_packer::{EncodeSettings, encode_species, write_library_to};
+use flb_runtime::Library;
+use flb_runtime::samplers::PhysicalSampler;
 use flb_testkit::model::scattered;
 
 const POINTS: usize = 2048;

@@ -8,7 +8,8 @@ use std::hint::black_box;
 use std::sync::Arc;
 use std::time::{Duration, Instant};
 
-use flb_format::{Codec, Placement, SunBasis, Transform};
+use flb_format::light::SunBasis;
+use flb_format::{Codec, Placement, Transform};
 use flb_packer::{encode_species, write_library_to};
 use flb_runtime::residency::{NeedFinder, Placed, Residency, ResidencySettings, Units};
 use flb_runtime::stream::{StreamSettings, Streamer};

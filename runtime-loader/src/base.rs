@@ -8,9 +8,10 @@
 use std::sync::Arc;
 
 use flb_format::blocks::{CodedBase, Shared, SpeciesPoint};
-use flb_format::container::records::{Codec, MAX_BANDS};
+use flb_format::container::records::MAX_BANDS;
+use flb_format::error::Place;
 use flb_format::sample::{BlockPoint, Weights, locate};
-use flb_format::{Field, FormatError, Place, room};
+use flb_format::{Codec, Field, FormatError, room};
 
 use crate::Library;
 

@@ -10,8 +10,9 @@
 //! A ray goes from face to face, through empty blocks in one step (3D DDA over two sizes of cells; Amanatides and Woo
 //! 1987). All is in binary32, in the order in which `gpu/near.wgsl` does it, so that both agree but for rounding.
 
+use flb_format::Grid;
 use flb_format::blocks::BlockMap;
-use flb_format::{Grid, LeafAngles, TurbidMedium};
+use flb_format::matter::{LeafAngles, TurbidMedium};
 
 /// Sites along an edge of a block.
 const EDGE: u32 = 4;

@@ -28,9 +28,9 @@
 //! ```
 //!
 //! [`SpeciesLight`] takes files of either model and of every codec, and what a [`stream::Streamer`] has loaded;
-//! [`light`] says how wind, skinning and levels of detail ask. Its parts are here for those who need them:
-//! [`SpeciesSampler`], [`PhysicalSampler`], [`Marcher`], [`resident::ResidentSpecies`], and with the feature `gpu` the
-//! terms and the shaders of `gpu`.
+//! [`light`] says how wind, skinning and levels of detail ask. What it is made of is in modules:
+//! [`samplers`] of one model each, [`resident::ResidentSpecies`], and with the feature `gpu` the terms and the shaders
+//! of `gpu`. A [`source`] opens the bytes of a file or a URL.
 #![deny(unsafe_code)] // `forbid` everywhere but here: `source/mapped.rs` maps memory.
 #![deny(clippy::print_stdout, clippy::print_stderr)] // cli/src/print.rs alone prints
 
@@ -56,20 +56,19 @@ pub mod stream;
 mod sun_terms;
 pub mod view;
 
+/// Samplers below [`SpeciesLight`], of one model each, the near beam in a medium, and what a sun gives each basis.
+pub mod samplers {
+    pub use crate::near_beam::{Marcher, PreparedSun, RayOffsets, offset, seed_of};
+    pub use crate::physical::PhysicalSampler;
+    pub use crate::sampler::{SpeciesSampler, bases_needed};
+    pub use crate::sun_terms::SunTerms;
+}
+
 pub use error::RuntimeError;
-pub use flb_format::{MeshMark, MeshMatch, Placement, Transform};
-pub use library::{Library, Traffic};
-pub use light::{
-    Daylight, InstanceLight, KeptLight, LightCursor, LightCursors, SkyBeams, SkyLight, SkyPart, SpeciesLight,
-};
-#[cfg(feature = "remote")]
-pub use location::RemoteUrl;
+pub use flb_format::mesh::{MeshMark, MeshMatch};
+pub use flb_format::{Daylight, Placement, Transform};
+pub use library::Library;
+pub use light::SpeciesLight;
+pub use light::cursor::LightCursor;
+pub use light::instance::InstanceLight;
 pub use location::{Location, LocationError};
-pub use near_beam::{Marcher, PreparedSun, RayOffsets, offset, seed_of};
-pub use physical::PhysicalSampler;
-pub use sampler::{SpeciesSampler, bases_needed};
-pub use scene_light::SceneLight;
-#[cfg(feature = "remote")]
-pub use source::{EnvironmentError, RemoteError, RemoteSettings, RemoteSource, is_private};
-pub use source::{FileSource, MappedSource, Replaced, is_replaced, retry_replaced};
-pub use sun_terms::SunTerms;

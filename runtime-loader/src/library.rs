@@ -3,21 +3,13 @@
 use std::path::{Path, PathBuf};
 
 use flb_format::colors::BandsError;
-use flb_format::container::Container;
-use flb_format::{MeshMark, MeshMatch, Source};
+use flb_format::mesh::{MeshMark, MeshMatch};
+use flb_format::{Container, Source};
 
-use crate::{FileSource, Location, MappedSource, RuntimeError};
+use crate::source::{FileSource, MappedSource, Traffic};
 #[cfg(feature = "remote")]
-use crate::{RemoteSettings, RemoteSource, RemoteUrl};
-
-/// Requests and bytes fetched of a file behind a URL.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub struct Traffic {
-    /// HTTP requests, repeated ones and those for credentials included.
-    pub requests: u64,
-    /// Bytes of the file, headers left out.
-    pub bytes: u64,
-}
+use crate::source::{RemoteSettings, RemoteSource, RemoteUrl};
+use crate::{Location, RuntimeError};
 
 /// A library of species, opened and with its tables verified. Pages are verified as they are read.
 pub struct Library {
@@ -59,7 +51,8 @@ impl Library {
     }
 
     /// Reads the file behind a URL. A file that is replaced meanwhile is an error for which
-    /// [`is_replaced`](crate::is_replaced) holds; [`retry_replaced`](crate::retry_replaced) starts again.
+    /// [`is_replaced`](crate::source::is_replaced) holds; [`retry_replaced`](crate::source::retry_replaced) starts
+    /// again.
     #[cfg(feature = "remote")]
     pub fn open_remote(url: &RemoteUrl, settings: &RemoteSettings) -> Result<Library, RuntimeError> {
         let source = RemoteSource::open(url, settings)?;

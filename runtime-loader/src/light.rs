@@ -24,19 +24,18 @@
 //! point costs about what uncoded floats do. It adds up in another order, so its light differs from that of `at` by the
 //! rounding of f32. [`LightCursors`] holds cursors for many plants and threads; `flb render` and `flb view` ask it.
 
-mod cursor;
+pub(crate) mod cursor;
 mod cursors;
 mod file;
-mod instance;
+pub(crate) mod instance;
 mod sky;
 
 use flb_format::beam::Near;
 use flb_format::{Grid, Transform};
 
-pub use cursor::LightCursor;
 pub use cursors::LightCursors;
-pub use flb_format::{Daylight, SkyPart};
-pub use instance::{InstanceLight, KeptLight};
+pub use flb_format::sky_part::SkyPart;
+pub use instance::KeptLight;
 #[cfg(feature = "gpu")]
 pub(crate) use sky::{OTHER_ROWS, SkyRows};
 pub use sky::{SkyBeams, SkyLight};
@@ -44,7 +43,7 @@ pub use sky::{SkyBeams, SkyLight};
 use crate::entry::known_species;
 use crate::resident::{LightLevel, ResidentSpecies};
 use crate::sun_terms::unit;
-use crate::{Library, RuntimeError};
+use crate::{Daylight, InstanceLight, Library, LightCursor, RuntimeError};
 use file::FileLight;
 
 /// The light of one species, ready for any sun.

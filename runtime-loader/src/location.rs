@@ -7,7 +7,7 @@ use std::fmt;
 use std::path::{Path, PathBuf};
 
 #[cfg(feature = "remote")]
-pub use crate::source::remote::RemoteUrl;
+use crate::source::RemoteUrl;
 pub use error::LocationError;
 use error::shown;
 

@@ -12,7 +12,7 @@ pub(crate) use march::everywhere;
 pub use march::{Marcher, RayOffsets, offset, seed_of};
 pub(crate) use sites::MediumSites;
 
-use crate::SunTerms;
+use crate::sun_terms::SunTerms;
 
 /// A sun made ready: its terms, and its near beam in every non-empty site where the species needs one.
 #[derive(Debug, Clone, PartialEq)]

@@ -25,15 +25,17 @@
 use std::path::PathBuf;
 use std::sync::Arc;
 
+use flb_format::Grid;
 use flb_format::beam::{MAX_MEANS, Near};
 use flb_format::container::Species;
-use flb_format::{FieldKind, Grid, SunBasis, TurbidMedium};
+use flb_format::light::{FieldKind, SunBasis};
+use flb_format::matter::TurbidMedium;
 
 use crate::entry::{known_species, no_base, other_model};
 use crate::near_beam::{Marcher, MediumSites, PreparedSun};
 use crate::resident::ResidentSpecies;
-use crate::sun_terms::near_bases;
-use crate::{Library, RuntimeError, SunTerms};
+use crate::sun_terms::{SunTerms, near_bases};
+use crate::{Library, RuntimeError};
 
 /// A `physical` species with all its fields and its extinction, ready to be sampled from any number of threads.
 pub struct PhysicalSampler {

@@ -3,8 +3,7 @@
 use std::collections::BTreeMap;
 use std::sync::{Arc, Mutex};
 
-use flb_format::Codec;
-use flb_packer::SpeciesFields;
+use flb_format::{Codec, SpeciesFields};
 pub(crate) use flb_testkit::plants::*;
 
 use crate::Library;

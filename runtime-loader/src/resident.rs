@@ -19,16 +19,17 @@ use std::sync::{Arc, OnceLock};
 
 use flb_format::beam::MAX_MEANS;
 use flb_format::blocks::{BlockFault, CodedBase, Shared};
-use flb_format::container::{Container, Species};
-use flb_format::{FormatError, Grid, SunBasis};
+use flb_format::container::Species;
+use flb_format::light::SunBasis;
+use flb_format::{Container, FormatError, Grid};
 
 use crate::base::{Base, SamplePoint, read_base};
 use crate::entry::{known_species, no_base};
 use crate::extinction::Extinction;
-use crate::near_beam::{MediumSites, everywhere};
+use crate::near_beam::{Marcher, MediumSites, everywhere};
 use crate::residency::{Runs, UnitId, UnitKind, Units};
-use crate::sun_terms::unit;
-use crate::{Library, Marcher, RuntimeError, SunTerms};
+use crate::sun_terms::{SunTerms, unit};
+use crate::{Library, RuntimeError};
 use mean::Mean;
 pub(crate) use terms::Shown;
 pub use terms::Terms;

@@ -31,7 +31,8 @@ use flb_format::FormatError;
 use flb_format::beam::Near;
 use flb_format::scene_light::{GROUND_DENSITY, PLANT, Role};
 
-use crate::{Library, PhysicalSampler, RuntimeError};
+use crate::physical::PhysicalSampler;
+use crate::{Library, RuntimeError};
 pub use at_sun::{Modulation, Modulations, SceneLightAtSun, TILTS, TURNS};
 use volume::Volume;
 

@@ -21,8 +21,19 @@ pub use mapped::MappedSource;
 #[doc(hidden)]
 pub use remote::replay;
 #[cfg(feature = "remote")]
-pub use remote::{EnvironmentError, HEAD_BYTES, RemoteError, RemoteSettings, RemoteSource, is_private};
+pub use remote::{
+    EnvironmentError, HEAD_BYTES, RemoteError, RemoteSettings, RemoteSource, RemoteUrl, is_private,
+};
 pub use replaced::{ATTEMPTS, Replaced, is_replaced, retry_replaced};
+
+/// Requests and bytes fetched of a file behind a URL.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Traffic {
+    /// HTTP requests, repeated ones and those for credentials included.
+    pub requests: u64,
+    /// Bytes of the file, headers left out.
+    pub bytes: u64,
+}
 
 /// A file read by positioned reads; the tools use it. Needs no address space, and a file that shrinks or changes while
 /// it is read gives an error (of its length, or of the digest of a page), never a signal and never wrong data. It has

@@ -26,7 +26,8 @@ use job::read;
 
 use crate::residency::{Lack, Need, Residency, ResidencySettings, UnitId, UnitKind, Units};
 use crate::resident::{Payload, Resident};
-use crate::{Library, RuntimeError, is_replaced};
+use crate::source::is_replaced;
+use crate::{Library, RuntimeError};
 use pool::Pool;
 
 /// Budget and threads of streaming.

@@ -3,7 +3,7 @@
 
 use std::ops::Range;
 
-use flb_format::SunBasis;
+use flb_format::light::SunBasis;
 use flb_format::sun::harmonics::{self, MAX_DEGREE};
 
 /// Most bases of a sun beside the near beam's: harmonics of the highest degree.

@@ -1,6 +1,7 @@
 //! What a frame shows: placed plants and a camera. Plain numbers in `f32`, as renderers have them.
 
-use flb_format::{Eye, Placement};
+use flb_format::Placement;
+use flb_format::eye::Eye;
 
 /// A placement in `f32`, of which there are many.
 #[derive(Debug, Clone, Copy, PartialEq)]

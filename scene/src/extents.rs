@@ -20,9 +20,9 @@ use flb_format::meta::Bounds;
 pub use enclosed::Enclosed;
 pub use foot::Side;
 
-use crate::import::{area, quoted};
+use crate::import::{Up, area, quoted};
 use crate::unit::UNITS;
-use crate::{ClassedMesh, ImportSettings, MaterialClass, Up};
+use crate::{ClassedMesh, ImportSettings, MaterialClass};
 
 /// Longest edges of plants, metres, that are not doubted: from a moss to the tallest trees.
 pub const USUAL_M: [f64; 2] = [0.05, 100.0];

@@ -16,7 +16,7 @@ pub(crate) use bands::{FROM_XYZ, color_matching};
 pub use bark::bark_reflectance;
 pub use model::LeafModel;
 
-use flb_format::{BandSurfaces, LeafSurface, Surfaces, WoodSurface};
+use flb_format::matter::{BandSurfaces, LeafSurface, Surfaces, WoodSurface};
 
 /// R, G, B of leaves after Knapp and Carter (1998), who measured 26 species and found them much alike: the back and
 /// forward scattered shares of Steele (2009), Table 6.1, taken as reflectance and transmittance. The wood is common

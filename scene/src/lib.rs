@@ -9,12 +9,30 @@
 //! sun and turbidity, or an image -> sky::Sky (radiance from every side)
 //! ```
 //!
+//! ```
+//! use flb_scene::{ClassRules, ImportSettings, MaterialClass, PlantReader};
+//!
+//! # fn main() -> Result<(), Box<dyn std::error::Error>> {
+//! # let folder = tempfile::tempdir()?;
+//! # let file = folder.path().join("fern.obj");
+//! # std::fs::write(&file, "v 0 0 0\nv 1 0 0\nv 0 1 0\nusemtl frond_leaf\nf 1 2 3\n")?;
+//! // Materials whose names tell nothing are an error, unless the rules or a species file class them.
+//! let reader = PlantReader::new(None, ImportSettings::default(), ClassRules::default());
+//! let (fern, _why) = reader.read(&file)?;
+//! assert_eq!(fern.mesh.triangles.len(), 1);
+//! assert_eq!(fern.classes, [MaterialClass::Leaf]);
+//! let plant = reader.plant("fern".to_owned(), fern); // what a bake takes
+//! assert_eq!(plant.name, "fern");
+//! # Ok(())
+//! # }
+//! ```
+//!
 //! Model space is right-handed, +Y up, in metres. Nothing here solves light.
 #![forbid(unsafe_code)]
 #![deny(clippy::print_stdout, clippy::print_stderr)] // cli/src/print.rs alone prints
 
 pub mod alpha;
-pub mod class;
+mod class;
 pub mod classify;
 pub mod color;
 pub mod extents;
@@ -22,7 +40,7 @@ pub mod import;
 pub mod leaf;
 pub mod mesh;
 mod name_pattern;
-pub mod observer;
+mod observer;
 pub mod plant;
 pub mod rays;
 pub mod sampling;
@@ -36,13 +54,9 @@ pub mod texture;
 pub mod unit;
 
 pub use class::MaterialClass;
-pub use classify::{ClassRules, Classified, classify};
-pub use color::{ColorRules, MaterialColor};
-pub use extents::{Doubt, Extents, doubts};
-pub use import::{ImportError, ImportSettings, Up, import};
+pub use classify::ClassRules;
+pub use import::{ImportError, ImportSettings};
 pub use mesh::Mesh;
 pub use observer::{Observer, Step, Unobserved};
 pub use plant::{ClassedMesh, Plant, PlantReader};
 pub use species::SpeciesFile;
-pub use surface_points::{SurfacePoint, surface_points};
-pub use unit::parse_unit;

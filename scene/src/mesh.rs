@@ -7,8 +7,9 @@ pub mod sides;
 #[cfg(any(test, feature = "testing"))]
 pub mod testing;
 
+use flb_format::material_surface::MaterialSurface;
+use flb_format::mesh;
 use flb_format::meta::{Bounds, SourceFile};
-use flb_format::{MaterialSurface, mesh_mark};
 use glam::Vec3;
 
 use sides::Sheets;
@@ -221,7 +222,7 @@ impl Mesh {
     /// Digest of its triangles, as a file of its light remembers it; `None` for a mesh without triangles or with
     /// coordinates that are not finite.
     pub fn digest(&self) -> Option<String> {
-        mesh_mark::digest(&self.positions, &self.triangles)
+        mesh::digest(&self.positions, &self.triangles)
     }
 
     /// Bounds of all vertices that a triangle uses; `None` without triangles.

@@ -1,6 +1,6 @@
 //! Progress of long work: which step runs, how far it is, what a user should know; and a way to stop it.
 
-use flb_format::{Cancelled, Progress};
+use flb_format::progress::{Cancelled, Progress};
 
 /// Step of a bake, of frames or of a judgement.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]

@@ -10,21 +10,21 @@ mod tests;
 
 use std::path::Path;
 
+use flb_format::matter::{Optics, Surfaces};
+use flb_format::mesh::MeshMark;
 use flb_format::meta::{Bounds, SourceFile, TriangleCounts};
 use flb_format::text::is_hidden;
-use flb_format::{MeshMark, Optics, Surfaces};
 
 pub use record::{Record, recorded_classes, recorded_offset_m, recorded_settings};
 
-use crate::color::{Colors, MaterialColor, resolve};
+use crate::classify::Classified;
+use crate::classify::classify;
+use crate::color::{ColorRules, Colors, MaterialColor, resolve};
 use crate::import::WHOLE;
+use crate::import::import;
 use crate::leaf::knapp_carter;
 use crate::mesh::AlphaMode;
-use crate::sheets;
-use crate::{
-    ClassRules, Classified, ColorRules, ImportError, ImportSettings, MaterialClass, Mesh, SpeciesFile,
-    classify, import,
-};
+use crate::{ClassRules, ImportError, ImportSettings, MaterialClass, Mesh, SpeciesFile, sheets};
 
 /// A mesh and the class of each of its materials.
 #[derive(Debug, Clone, PartialEq)]

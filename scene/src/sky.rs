@@ -18,7 +18,7 @@ mod spectrum;
 use std::f64::consts::PI;
 use std::sync::{Arc, OnceLock};
 
-use flb_format::SkyPart;
+use flb_format::sky_part::SkyPart;
 
 pub use clear::ClearSky;
 pub use error::SkyError;

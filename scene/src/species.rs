@@ -62,7 +62,7 @@ mod surfaces;
 use flb_format::text::is_hidden;
 use std::path::Path;
 
-use flb_format::{BandOptics, ClassOptics, Optics, Surfaces};
+use flb_format::matter::{BandOptics, ClassOptics, Optics, Surfaces};
 use serde::Deserialize;
 
 use crate::classify::SpeciesRules;

@@ -3,19 +3,22 @@
 //! What is asked of one plant is asked many times, so that what a forest has no time for pays here: the near beam of a
 //! sun is found at all sites at once, and an uneven sky is taken with its finest detail.
 
+use flb_format::Transform;
+use flb_format::progress::Progress;
 use flb_format::sun::towards_sun;
-use flb_format::{Progress, Transform};
-use flb_render::{
-    LightQuery, Lighting, Look, Picture, Portrait, Shading, Species, Units, render_plant, render_reference,
-};
-use flb_runtime::{InstanceLight, LightCursors, SpeciesLight};
+use flb_render::reference::render_reference;
+use flb_render::shading::Units;
+use flb_render::{LightQuery, Lighting, Look, Picture, Portrait, Shading, Species, render_plant};
+use flb_runtime::light::LightCursors;
+use flb_runtime::{InstanceLight, SpeciesLight};
 use flb_scene::sky::Sky;
 use flb_scene::{ClassedMesh, Observer, Step};
 
 use crate::frames::subject;
 use crate::light::{by_day, even_sky, load_for, shows_fields};
 use crate::look::sun_strength;
-use crate::{PlantLight, StageError, StageSky};
+use crate::plant::PlantLight;
+use crate::{StageError, StageSky};
 
 /// Size, direction and light of the pictures of a plant alone.
 #[derive(Debug, Clone)]

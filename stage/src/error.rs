@@ -119,7 +119,7 @@ pub enum StageError {
     Format(Box<flb_format::FormatError>),
     /// A file that the scene names cannot be used.
     #[error(transparent)]
-    Import(#[from] flb_scene::import::ImportError),
+    Import(#[from] flb_scene::ImportError),
     /// A sky that is none.
     #[error(transparent)]
     Sky(#[from] flb_scene::sky::SkyError),

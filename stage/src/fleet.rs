@@ -3,19 +3,21 @@
 use std::collections::BTreeSet;
 use std::sync::Arc;
 
-use flb_format::Progress;
+use flb_format::progress::Progress;
 use flb_gpu::Gpu;
 use flb_render::forest::{Forest, View};
 use flb_render::{Lighting, Picture};
 use flb_render_gpu::{
     self as on_gpu, ForestError, ForestSettings, GpuForest, LightSet, LightSource, can_light,
 };
+use flb_runtime::light::SkyBeams;
 use flb_runtime::scene_light::SceneLightAtSun;
-use flb_runtime::{RuntimeError, SkyBeams, SpeciesLight};
+use flb_runtime::{RuntimeError, SpeciesLight};
 use flb_scene::{Observer, Step};
 
+use crate::backend::GpuCount;
 use crate::light::shows_fields;
-use crate::{Backend, GpuCount, SceneLook, Stage, StageError, neighbours};
+use crate::{Backend, SceneLook, Stage, StageError, neighbours};
 
 /// A stage on GPUs, and what its camera saw last.
 pub(crate) struct Fleet {
@@ -168,7 +170,7 @@ fn names(gpus: &[Gpu]) -> Vec<String> {
 
 /// `[species]`: what the skies over its plants share, where the light of files is shown.
 fn beams(stage: &Stage, look: &SceneLook) -> Result<Vec<Option<Arc<SkyBeams>>>, RuntimeError> {
-    let of_plant = |plant: &crate::ScenePlant| {
+    let of_plant = |plant: &crate::plant::ScenePlant| {
         let Some((library, species)) = plant.library().filter(|_| shows_fields(&look.look)) else {
             return Ok(None);
         };

@@ -1,6 +1,6 @@
 //! The frames of a scene: from where and under which sun each is taken.
 
-use flb_format::Eye;
+use flb_format::eye::Eye;
 use flb_scene::scene::{Camera, Instant, Scene, SunAt, SunHours, Suns, along};
 
 use crate::StageError;

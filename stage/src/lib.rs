@@ -7,10 +7,10 @@
 //!
 //! A [`Stage`] is a scene with its meshes and its light. A [`SceneRenderer`] loads what the frames show of whole files,
 //! and takes them on the CPU or on GPUs. A [`Painter`](stream::Painter) streams the light within a budget and draws
-//! with what has come so far, as a viewer does. A [`PlantRenderer`] takes pictures of a plant alone. [`frames()`] says
-//! where the camera and the sun of each frame are, [`StageSky`] which sky is over them.
+//! with what has come so far, as a viewer does. A [`PlantRenderer`](alone::PlantRenderer) takes pictures of a plant
+//! alone. [`frames()`] says where the camera and the sun of each frame are, [`StageSky`] which sky is over them.
 //!
-//! ```no_run
+//! ```
 //! # fn main() -> Result<(), Box<dyn std::error::Error>> {
 //! use flb_render::Look;
 //! use flb_scene::Unobserved;
@@ -19,15 +19,28 @@
 //!     Backend, FrameSettings, LookSettings, OpenSettings, SceneLook, SceneRenderer, Stage, StageSky, frames,
 //! };
 //!
-//! let scene = Scene::read("forest.toml".as_ref())?;
-//! let frames = frames(&scene, &FrameSettings { count: Some(24), needs_sun: true, ..FrameSettings::default() })?;
+//! # use flb_format::{Codec, light::SunBasis};
+//! # use flb_testkit::plants;
+//! # let temporary = tempfile::tempdir()?;
+//! # let folder = temporary.path();
+//! # let mut oak = plants::plant("oak", Some(&SunBasis::Lattice18), 16, 1);
+//! # oak.meta.record(&flb_format::provenance::CLASSES, vec!["leaf".to_owned()]);
+//! # std::fs::write(folder.join("oak.flb"), plants::bytes(&[oak], Codec::Classed))?;
+//! # std::fs::write(folder.join("oak.obj"), "v -2 0 -2\nv 2 4 2\nv 2 0 -2\nusemtl leaf\nf 1 2 3\n")?;
+//! # let camera = "camera = { position_m = [0, 2, 9], look_at_m = [0, 2, 0], height_px = 32, fov_deg = 40 }";
+//! # let species = "[[species]]\nname = 'oak'\nfile = 'oak.obj'\nlight = 'oak.flb'";
+//! # let instance = "[[instance]]\nspecies = 'oak'\nposition_m = [0, 0, 0]";
+//! # let sun = "sun = { fixed = [[135, 40]] }";
+//! # std::fs::write(folder.join("forest.toml"), [camera, sun, species, instance].join("\n"))?;
+//! let scene = Scene::read(&folder.join("forest.toml"))?;
+//! let frames = frames(&scene, &FrameSettings { count: Some(1), needs_sun: true, ..FrameSettings::default() })?;
 //! let stage = Stage::open(scene, &OpenSettings::default(), &Unobserved)?;
 //! let settings = LookSettings { size: None, samples: 4, ambient: None, look: Look::default() };
 //! let look = SceneLook::new(&stage, &settings, StageSky::clear(3.0)?)?;
 //! let mut renderer = SceneRenderer::new(&stage, look, &frames, Backend::Cpu, &Unobserved)?;
 //! for (number, frame) in frames.iter().enumerate() {
 //!     let png = renderer.picture(frame, &Unobserved)?.to_png(stage.default_exposure())?;
-//!     std::fs::write(format!("forest-{number:04}.png"), png)?;
+//!     std::fs::write(folder.join(format!("forest-{number:04}.png")), png)?;
 //! }
 //! # Ok(())
 //! # }
@@ -37,8 +50,8 @@
 #![forbid(unsafe_code)]
 #![deny(clippy::print_stdout, clippy::print_stderr)] // cli/src/print.rs alone prints
 
-mod alone;
-mod backend;
+pub mod alone;
+pub mod backend;
 mod error;
 #[cfg(feature = "gpu")]
 mod fleet;
@@ -51,20 +64,18 @@ mod look;
 mod mesh_of_light;
 mod neighbours;
 pub mod open;
-mod plant;
+pub mod plant;
 mod renderer;
 mod sky;
 mod stage;
 pub mod stream;
 
-pub use alone::{PlantLook, PlantRenderer};
-pub use backend::{Backend, GpuCount};
+pub use backend::Backend;
 pub use error::StageError;
-pub use frames::{FramePath, FrameSettings, SceneFrame, frames};
+pub use frames::{FrameSettings, SceneFrame, frames};
 pub use look::{LookSettings, SceneLook};
 pub use mesh_of_light::MeshOfLight;
 pub use open::OpenSettings;
-pub use plant::{PlantLight, ScenePlant};
 pub use renderer::SceneRenderer;
 pub use sky::StageSky;
 pub use stage::Stage;

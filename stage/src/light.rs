@@ -2,10 +2,11 @@
 
 use std::sync::Arc;
 
-use flb_format::{Placement, Transform};
-use flb_render::{Daylight, Indirect, Lighting, Look};
+use flb_format::{Daylight, Placement, Transform};
+use flb_render::{Indirect, Lighting, Look};
+use flb_runtime::light::{SkyBeams, SkyLight};
 use flb_runtime::scene_light::SceneLightAtSun;
-use flb_runtime::{InstanceLight, Library, RuntimeError, SkyBeams, SkyLight, SpeciesLight};
+use flb_runtime::{InstanceLight, Library, RuntimeError, SpeciesLight};
 use flb_scene::sky::Sky;
 use rayon::prelude::*;
 
@@ -22,7 +23,7 @@ pub(crate) fn load(
         .filter_map(|frame| frame.sun_deg)
         .map(|[azimuth, elevation]| flb_format::sun::towards_sun(azimuth, elevation))
         .collect();
-    let load = |(number, plant): (usize, &crate::ScenePlant)| {
+    let load = |(number, plant): (usize, &crate::plant::ScenePlant)| {
         let Some((library, species)) = plant.library().filter(|_| shows_fields(&look.look)) else {
             return Ok(None);
         };

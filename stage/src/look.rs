@@ -1,7 +1,8 @@
 //! What is the same in all frames of a scene, and the light of each.
 
 use flb_render::forest::View;
-use flb_render::{Lighting, Look, Units};
+use flb_render::shading::Units;
+use flb_render::{Lighting, Look};
 
 use crate::{SceneFrame, Stage, StageError, StageSky};
 

@@ -3,12 +3,14 @@
 
 use std::path::Path;
 
+use flb_format::SpeciesMeta;
 use flb_format::colors::COLORS;
-use flb_format::{MeshMatch, SpeciesMeta, mesh_mark};
-use flb_scene::extents::number;
-use flb_scene::import::ImportSettings;
-use flb_scene::plant::{ClassedMesh, recorded_classes, recorded_settings};
-use flb_scene::{ClassRules, Extents, Mesh, Observer, classify};
+use flb_format::mesh::FIT_SHARE;
+use flb_format::mesh::MeshMatch;
+use flb_scene::classify::classify;
+use flb_scene::extents::{Extents, number};
+use flb_scene::plant::{recorded_classes, recorded_settings};
+use flb_scene::{ClassRules, ClassedMesh, ImportSettings, Mesh, Observer};
 
 use crate::StageError;
 use crate::open::read_mesh;
@@ -77,7 +79,7 @@ impl MeshOfLight {
                     size(mark.bounds_m),
                     size(meta.bounds_m),
                     number(fit.off_m),
-                    number(mesh_mark::FIT_SHARE * fit.longest_m)
+                    number(FIT_SHARE * fit.longest_m)
                 );
                 if !may_differ {
                     return Err(at_mesh(StageError::OtherMesh(message)));

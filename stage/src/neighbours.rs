@@ -1,14 +1,14 @@
 //! What plants of a scene do to each other's light.
 
 use flb_format::scene_light::plant_digest;
-use flb_format::{FormatError, Placement};
-use flb_render::Daylight;
+use flb_format::{Daylight, FormatError, Placement};
 use flb_runtime::scene_light::{PreparedSceneLight, SceneLight, SceneLightAtSun};
 use flb_runtime::{Library, RuntimeError};
 use flb_scene::scene::{Scene, light_digest};
 
 use crate::mesh_of_light::short;
-use crate::{ScenePlant, Stage, StageError};
+use crate::plant::ScenePlant;
+use crate::{Stage, StageError};
 
 /// Refuses the light of another scene, or of other plants by the same names.
 pub(crate) fn check(scene: &Scene, plants: &[ScenePlant], light: &SceneLight) -> Result<(), StageError> {

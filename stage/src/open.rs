@@ -3,15 +3,18 @@
 use std::path::Path;
 use std::sync::Arc;
 
-use flb_format::FieldKind;
+use flb_format::light::FieldKind;
 use flb_render::Shading;
 use flb_runtime::Library;
 use flb_runtime::scene_light::SceneLight;
-use flb_scene::import::{ImportError, import};
+use flb_scene::import::import;
 use flb_scene::scene::{Scene, SceneSpecies};
-use flb_scene::{ClassRules, ClassedMesh, ImportSettings, Mesh, Observer, PlantReader, SpeciesFile};
+use flb_scene::{
+    ClassRules, ClassedMesh, ImportError, ImportSettings, Mesh, Observer, PlantReader, SpeciesFile,
+};
 
-use crate::{MeshOfLight, PlantLight, ScenePlant, Stage, StageError};
+use crate::plant::{PlantLight, ScenePlant};
+use crate::{MeshOfLight, Stage, StageError};
 
 /// Settings by which a scene is opened.
 #[derive(Debug, Clone, Default)]

@@ -2,8 +2,10 @@
 
 use std::sync::Arc;
 
-use flb_format::{MeshMatch, SpeciesMeta};
-use flb_render::{Shading, Species, Units};
+use flb_format::SpeciesMeta;
+use flb_format::mesh::MeshMatch;
+use flb_render::shading::Units;
+use flb_render::{Shading, Species};
 use flb_runtime::Library;
 use flb_scene::{ClassedMesh, ImportSettings};
 
@@ -79,7 +81,7 @@ impl ScenePlant {
 
     /// Suns that its light depends on.
     #[cfg(feature = "gpu")]
-    pub(crate) fn suns(&self) -> Option<&flb_format::SunBasis> {
+    pub(crate) fn suns(&self) -> Option<&flb_format::light::SunBasis> {
         Some(self.light.as_ref()?.meta().model.suns())
     }
 

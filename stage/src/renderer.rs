@@ -2,16 +2,16 @@
 
 use std::sync::Arc;
 
-use flb_format::Progress;
+use flb_format::progress::Progress;
 use flb_render::forest::{Forest, Fragments, Search, View};
 use flb_render::{LightQuery, Picture};
-use flb_runtime::{LightCursors, SkyBeams, SpeciesLight};
+use flb_runtime::SpeciesLight;
+use flb_runtime::light::{LightCursors, SkyBeams};
 use flb_scene::{Observer, Step};
 
 use crate::fleet::Fleet;
-use crate::light;
 use crate::neighbours::Neighbours;
-use crate::{Backend, SceneFrame, SceneLook, Stage, StageError};
+use crate::{Backend, SceneFrame, SceneLook, Stage, StageError, light};
 
 /// Makes frames of a stage in the light of whole files.
 pub struct SceneRenderer<'s> {

@@ -3,8 +3,10 @@
 use std::path::Path;
 use std::sync::Arc;
 
+use flb_format::Daylight;
 use flb_format::sun::towards_sun;
-use flb_render::{Daylight, Lighting, PHYSICAL_SKY, Units};
+use flb_render::Lighting;
+use flb_render::shading::{PHYSICAL_SKY, Units};
 use flb_scene::sky::{Sky, SkyError, SkyImage};
 
 use crate::StageError;

@@ -1,11 +1,13 @@
 //! A scene with its meshes and its light.
 
+use flb_render::RenderError;
 use flb_render::forest::{Forest, Ground, Land, Search, Water};
-use flb_render::{RenderError, Units};
+use flb_render::shading::Units;
 use flb_runtime::scene_light::SceneLight;
 use flb_scene::scene::{Ground as SceneGround, Scene, Terrain, Water as SceneWater};
 
-use crate::{ScenePlant, StageError, neighbours, plant};
+use crate::plant::ScenePlant;
+use crate::{StageError, neighbours, plant};
 
 /// A scene with its meshes and its light.
 pub struct Stage {

@@ -1,13 +1,18 @@
 use std::sync::{Arc, Mutex};
 
 use flb_fixtures::{PlantKind, grow};
-use flb_format::{Codec, Eye, SunBasis};
-use flb_render::{Indirect, Look, Picture, Portrait, Units};
+use flb_format::Codec;
+use flb_format::eye::Eye;
+use flb_format::light::SunBasis;
+use flb_render::shading::Units;
+use flb_render::{Indirect, Look, Picture, Portrait};
 use flb_scene::scene::{Camera, Ground, Scene, SceneSky, SceneSpecies, Suns, Terrain};
 use flb_scene::{ClassedMesh, ImportSettings, Observer, Unobserved};
 use flb_testkit::{plants, scenes};
 
+use crate::alone::{PlantLook, PlantRenderer};
 use crate::open::{find_species, scene_species};
+use crate::plant::{PlantLight, ScenePlant};
 use crate::stream::{Painter, Shot, Show};
 use crate::*;
 

@@ -1,8 +1,10 @@
 //! A library of one species, a crown whose fields a benchmark makes by a formula.
 
+use flb_format::matter::{BandOptics, ClassOptics, Optics};
 use flb_format::meta::{Bounds, TriangleCounts};
-use flb_format::{BandOptics, ClassOptics, Codec, Field, Medium, Model, Optics, SpeciesMeta};
-use flb_packer::{EncodeSettings, SpeciesFields, encode_species, write_library_to};
+use flb_format::model::Model;
+use flb_format::{Codec, Field, Medium, SpeciesFields, SpeciesMeta};
+use flb_packer::{EncodeSettings, encode_species, write_library_to};
 
 /// Its bytes, coded at the default quality.
 ///

@@ -1,9 +1,10 @@
 //! Models of the plants of tests.
 
-use flb_format::{
-    BandOptics, BandSurfaces, ClassOptics, FieldKind, LeafSurface, Light, LightError, Model, Optics,
-    SunBasis, Surfaces, TurbidMedium, WoodSurface,
+use flb_format::light::{FieldKind, Light, LightError, SunBasis};
+use flb_format::matter::{
+    BandOptics, BandSurfaces, ClassOptics, LeafSurface, Optics, Surfaces, TurbidMedium, WoodSurface,
 };
+use flb_format::model::Model;
 
 /// The model, its bases, and what it keeps of the medium; without suns it is `paper`.
 pub fn model(suns: Option<&SunBasis>, turbid: TurbidMedium) -> (Model, u16, Option<TurbidMedium>) {

@@ -1,9 +1,11 @@
 //! Libraries for the tests of streaming: round plants whose fields are rough, so that their bases have several pages.
 
+use flb_format::light::SunBasis;
+use flb_format::matter::{Class, LeafAngles, TurbidMedium};
 use flb_format::meta::{Bounds, TriangleCounts};
-use flb_format::{Class, Codec, Field, Grid, LeafAngles, Medium, SpeciesMeta, SunBasis, TurbidMedium};
+use flb_format::{Codec, Field, Grid, Medium, SpeciesFields, SpeciesMeta};
 use flb_packer::rate::Target;
-use flb_packer::{EncodeSettings, SpeciesFields, encode_species, write_library_to};
+use flb_packer::{EncodeSettings, encode_species, write_library_to};
 
 use crate::model::model;
 

@@ -1,15 +1,16 @@
 //! Scenes of the tests: grown plants with textures and cut leaves, and walls.
 
 use flb_fixtures::{PlantKind, grow};
+use flb_format::light::SunBasis;
+use flb_format::matter::{Class, LeafAngles, TurbidMedium};
 use flb_format::meta::{Bounds, TriangleCounts};
+use flb_format::model::Model;
+use flb_format::sample::site_of;
 use flb_format::scene_light::{LUMINANCE, Role};
 use flb_format::sun::towards_sun;
-use flb_format::{
-    Class, Codec, Field, Grid, LeafAngles, Medium, Model, Placement, SpeciesMeta, SunBasis, Transform,
-    TurbidMedium, site_of,
-};
+use flb_format::{Codec, Field, Grid, Medium, Placement, SpeciesFields, SpeciesMeta, Transform};
 use flb_packer::rate::Target;
-use flb_packer::{EncodeSettings, SpeciesFields, encode_species, write_library_to};
+use flb_packer::{EncodeSettings, encode_species, write_library_to};
 use flb_render::forest::{Eye, Ground, Land, View};
 use flb_render::{Shading, Surfaces};
 use flb_runtime::Library;
@@ -180,5 +181,5 @@ fn field(lattice: u32, base: u8, seed: u32) -> Field {
 
 /// From 0 to 1, by a hash.
 fn noise(at: u32, seed: u32) -> f32 {
-    (flb_render::hash(at ^ flb_render::hash(seed)) >> 8) as f32 / (1 << 24) as f32
+    (flb_scene::sampling::hash(at ^ flb_scene::sampling::hash(seed)) >> 8) as f32 / (1 << 24) as f32
 }

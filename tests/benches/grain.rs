@@ -9,7 +9,7 @@
 //! For each number of offsets: how far a point's light is off (rms, % of the mean), and how far the mean is. At points
 //! of the plant's surface, even by area, under a dozen suns without a sky.
 
-use flb_runtime::PhysicalSampler;
+use flb_runtime::samplers::PhysicalSampler;
 use flb_tests::benched::{Benched, benched};
 use flb_transport::monte_carlo::judge::suns;
 
@@ -33,7 +33,8 @@ fn main() {
             let terms = sampler.terms(towards_sun).expect("a direction");
             let prepared = sampler.prepare(&near, terms, flb_format::beam::BEAM_RAYS);
             for (seed, point) in (first_seed..).zip(&points) {
-                let offsets: Vec<[f32; 3]> = (0..count).map(|i| flb_runtime::offset(seed, i)).collect();
+                let offsets: Vec<[f32; 3]> =
+                    (0..count).map(|i| flb_runtime::samplers::offset(seed, i)).collect();
                 let marched = marcher.near(*point, terms.towards_sun, &offsets);
                 let [mut found, mut expected] = [[0.0; MAX_BANDS]; 2];
                 let bands = sampler.bands();

@@ -2,8 +2,9 @@
 
 use flb_baker::bake::BakeSettings;
 use flb_fixtures::PlantKind;
-use flb_runtime::{Library, PhysicalSampler};
-use flb_scene::surface_points;
+use flb_runtime::Library;
+use flb_runtime::samplers::PhysicalSampler;
+use flb_scene::surface_points::surface_points;
 
 use crate::default_bake::{DefaultBake, grown};
 
@@ -58,7 +59,8 @@ fn points_in(library: &Library, count: u32) -> Vec<[f32; 3]> {
     let point = |i: u32| {
         let at = sum * (f64::from(i) + 0.5) / f64::from(count);
         let site = grid.site(sites[ends.partition_point(|end| *end < at)] as usize);
-        let at = [0, 1, 2].map(|axis| f64::from(site[axis]) + f64::from(flb_runtime::offset(i, 0)[axis]));
+        let at = [0, 1, 2]
+            .map(|axis| f64::from(site[axis]) + f64::from(flb_runtime::samplers::offset(i, 0)[axis]));
         grid.model_from_lattice(at).map(|c| c as f32)
     };
     (0..count).map(point).collect()

@@ -1,11 +1,13 @@
 //! A day of a plant under a clear sky: baked light against paths traced on the mesh under the same sun and sky.
 
+use flb_format::Daylight;
 use flb_format::sun::towards_sun;
+use flb_render::reference::render_reference;
 use flb_render::{
-    Daylight, Indirect, LightQuery, Lighting, Look, Picture, Portrait, Shading, Species, Surfaces,
-    render_plant, render_reference,
+    Indirect, LightQuery, Lighting, Look, Picture, Portrait, Shading, Species, Surfaces, render_plant,
 };
-use flb_runtime::{LightCursors, SkyBeams, SkyLight, SpeciesLight, Transform};
+use flb_runtime::light::{LightCursors, SkyBeams, SkyLight};
+use flb_runtime::{SpeciesLight, Transform};
 use flb_scene::ClassedMesh;
 use flb_scene::sky::Sky;
 

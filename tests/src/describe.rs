@@ -6,11 +6,13 @@ use std::fmt::Write;
 
 use flb_baker::Occupancy;
 use flb_fixtures::Plant;
+use flb_format::container::records::KIND_BASE;
 use flb_format::container::verify::hexadecimal;
-use flb_format::records::KIND_BASE;
-use flb_format::{Class, Container, Field, Medium, SpeciesFields};
-use flb_packer::CodingReport;
-use flb_scene::{Classified, Mesh};
+use flb_format::matter::Class;
+use flb_format::{Container, Field, Medium, SpeciesFields};
+use flb_packer::quality::CodingReport;
+use flb_scene::Mesh;
+use flb_scene::classify::Classified;
 use flb_transport::lattice::Solution;
 
 /// First 16 hexadecimal digits of the BLAKE3 of what `feed` gives to `eat`.

@@ -3,9 +3,11 @@
 use flb_baker::bake::BakeSettings;
 use flb_eval::figures::{MeshJudgement, compare};
 use flb_format::Field;
-use flb_render::{Surfaces, irradiance};
+use flb_render::Surfaces;
+use flb_render::irradiance::irradiance;
 use flb_runtime::{Daylight, InstanceLight, Library, SpeciesLight};
-use flb_scene::{Plant, surface_points};
+use flb_scene::Plant;
+use flb_scene::surface_points::surface_points;
 use flb_transport::monte_carlo::judge::suns;
 
 use crate::default_bake::DefaultBake;

@@ -5,11 +5,16 @@
 
 use flb_baker::{Occupancy, VoxelSettings, downsample, voxelise};
 use flb_fixtures::{Plant, PlantKind, grow};
+use flb_format::matter::Optics;
 use flb_format::meta::{Bounds, TriangleCounts};
-use flb_format::{Medium, Model, Optics, SpeciesMeta};
-use flb_packer::{EncodeSettings, EncodedSpecies, SpeciesFields, encode_species, write_library_to};
+use flb_format::model::Model;
+use flb_format::{Medium, SpeciesFields, SpeciesMeta};
+use flb_packer::{EncodeSettings, EncodedSpecies, encode_species, write_library_to};
+use flb_scene::classify::Classified;
+use flb_scene::classify::classify;
+use flb_scene::import::import;
 use flb_scene::plant::plant_bounds;
-use flb_scene::{ClassRules, Classified, ImportSettings, MaterialClass, Mesh, classify, import};
+use flb_scene::{ClassRules, ImportSettings, MaterialClass, Mesh};
 use flb_transport::lattice::{Solution, SolveSettings, solve};
 
 /// What to bake and how finely.

@@ -1,10 +1,9 @@
 //! Pictures of baked plants, and how far two pictures are apart.
 
-use flb_format::sun;
-use flb_render::{
-    Daylight, Indirect, LightQuery, Lighting, Look, Picture, Portrait, Shading, Species, render_plant,
-};
-use flb_runtime::{Library, SpeciesSampler, bases_needed};
+use flb_format::{Daylight, sun};
+use flb_render::{Indirect, LightQuery, Lighting, Look, Picture, Portrait, Shading, Species, render_plant};
+use flb_runtime::Library;
+use flb_runtime::samplers::{SpeciesSampler, bases_needed};
 use flb_scene::{MaterialClass, Mesh};
 
 use crate::pipeline::Baked;

@@ -10,10 +10,12 @@ use flb_baker::bake::{BakeSettings, ModelSettings, NoStore, PhysicalSettings, ba
 use flb_baker::crown::LeafAngleChoice;
 use flb_baker::scene_light::{Entry, Ground, Plant, Scenery, entry, luminance};
 use flb_fixtures::PlantKind;
+use flb_format::light::{Light, LightError};
+use flb_format::matter::{BandSurfaces, TurbidMedium};
 use flb_format::scene_light::Role;
 use flb_format::sun::directions::SunDirections;
-use flb_format::{BandSurfaces, Codec, Grid, Light, LightError, Placement, Transform, TurbidMedium};
-use flb_packer::{EncodeSettings, SpeciesFields, encode_species, write_library_to};
+use flb_format::{Codec, Grid, Placement, SpeciesFields, Transform};
+use flb_packer::{EncodeSettings, encode_species, write_library_to};
 use flb_runtime::scene_light::{Modulations, SceneLight};
 use flb_runtime::{Library, RuntimeError};
 use flb_scene::Unobserved;
@@ -85,8 +87,12 @@ impl Kind {
         };
         let leaf_per_m = (0..grid.sites() as u32).map(per_m).collect();
         let wood_per_m = vec![0.0; grid.sites()];
-        let turbid =
-            TurbidMedium { grid, leaf_per_m, wood_per_m, angles: flb_format::LeafAngles::spherical() };
+        let turbid = TurbidMedium {
+            grid,
+            leaf_per_m,
+            wood_per_m,
+            angles: flb_format::matter::LeafAngles::spherical(),
+        };
         let surfaces = luminance(name, &knapp_carter()).expect("three bands");
         Kind { name: name.to_owned(), turbid, surfaces }
     }
@@ -372,7 +378,7 @@ fn light(settings: &OrdinatesSettings) -> Light {
         ordinates: settings.ordinates.count(),
         rays: settings.rays,
         suns: settings.suns.clone(),
-        leaf_angles: flb_format::LeafAngles::spherical(),
+        leaf_angles: flb_format::matter::LeafAngles::spherical(),
         error: LightError { suns_rms: 0.0, held_out: 0, solver: 0.0, monte_carlo: None },
         solid_offset: None,
     }

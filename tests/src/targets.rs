@@ -7,16 +7,16 @@ use std::path::Path;
 
 use flb_baker::VoxelSettings;
 use flb_baker::voxelise::voxelise;
-use flb_format::container::records::Codec;
 use flb_format::container::verify;
-use flb_format::{Container, FormatError, Source};
+use flb_format::{Codec, Container, FormatError, Source};
 use flb_inspector::Level;
 use flb_inspector::validate::check;
 use flb_packer::{EncodedSpecies, PackError, copy_species, write_library_to};
 use flb_scene::classify::{SpeciesRules, found};
+use flb_scene::import::import;
 use flb_scene::import::{Stand, WHOLE, cut_share, read_stand};
 use flb_scene::scene::Scene;
-use flb_scene::{ClassRules, ImportError, ImportSettings, MaterialClass, Mesh, SpeciesFile, import};
+use flb_scene::{ClassRules, ImportError, ImportSettings, MaterialClass, Mesh, SpeciesFile};
 
 /// A function that is fed with bytes.
 pub type Target = fn(&[u8]);
@@ -122,7 +122,7 @@ pub fn rewrite(bytes: &[u8]) {
     };
     assert_eq!(metas(&before), metas(&after));
     for (i, section) in after.sections().iter().enumerate() {
-        let same = |other: &flb_format::SectionEntry| other.key == section.key;
+        let same = |other: &flb_format::container::records::SectionEntry| other.key == section.key;
         let old = before.sections().iter().position(same).expect("no section is made up");
         for page in 0..after.pages(i).len() as u32 {
             let stored = |container: &Container, source: &Vec<u8>, section| {
@@ -184,7 +184,7 @@ fn rewritten(source: &dyn Source) -> Result<Vec<u8>, PackError> {
 }
 
 fn is_large(container: &Container) -> bool {
-    let values = |section: &flb_format::SectionEntry| {
+    let values = |section: &flb_format::container::records::SectionEntry| {
         u64::from(section.lattice).saturating_pow(3).saturating_mul(section.bands.into())
     };
     container.sections().iter().any(|section| values(section) > MAX_VALUES)

@@ -2,7 +2,7 @@
 //! its code, and none takes much memory. `cli/tests/it/torture.rs` does the last under a limit of the system. A program
 //! of its own: it counts the memory of its whole process.
 
-use flb_format::records::HEADER_BYTES;
+use flb_format::container::records::HEADER_BYTES;
 use flb_format::testing::GOLDEN;
 use flb_format::testing::torture::{Subject, code_of_flip};
 use flb_format::{Container, FormatError};

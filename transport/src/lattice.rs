@@ -34,8 +34,11 @@ pub mod sweep;
 
 pub use error::{GpuError, SolveError};
 
+use flb_format::bases::BaseSet;
 use flb_format::direction::MOVING;
-use flb_format::{BaseSet, Field, Medium, Optics, Progress};
+use flb_format::matter::Optics;
+use flb_format::progress::Progress;
+use flb_format::{Field, Medium};
 
 /// Method by which the steady state is reached.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]

@@ -29,7 +29,7 @@ mod walk;
 
 use std::sync::atomic::{AtomicUsize, Ordering};
 
-use flb_format::Progress;
+use flb_format::progress::Progress;
 use rayon::prelude::*;
 
 use crate::turbid::{BandScatter, TurbidMedium};

@@ -46,9 +46,12 @@ pub use total::TotalLight;
 
 use std::borrow::Cow;
 
+use flb_format::Field;
+use flb_format::bases::BaseSet;
 use flb_format::beam::{self, BEAM_RAYS, Beam, Near, NearBeam};
+use flb_format::matter::TurbidMedium;
+use flb_format::progress::Progress;
 use flb_format::sun::{SunBlend, harmonics};
-use flb_format::{BaseSet, Field, Progress, turbid::TurbidMedium};
 use rayon::prelude::*;
 
 use crate::turbid::BandScatter;

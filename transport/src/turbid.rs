@@ -1,13 +1,13 @@
 //! The turbid medium of the `physical` model with its optics: what leaf and wood do with the light that they intercept.
 //!
-//! The medium itself is part of the file ([`flb_format::turbid`]).
+//! The medium itself is part of the file ([`flb_format::matter::TurbidMedium`]).
 
 mod phase;
 
-pub use flb_format::turbid::{INCLINATIONS, LeafAngles, TurbidMedium};
+pub use flb_format::matter::{INCLINATIONS, LeafAngles, TurbidMedium};
 pub use phase::Phase;
 
-use flb_format::{BandSurfaces, LeafSurface};
+use flb_format::matter::{BandSurfaces, LeafSurface};
 
 /// Scattering of intercepted light by one kind of matter, in one band.
 #[derive(Debug, Clone, Copy, PartialEq)]

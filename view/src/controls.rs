@@ -127,7 +127,7 @@ fn turned(offset: DVec3, [about_px, up_px]: [f64; 2]) -> DVec3 {
 
 #[cfg(test)]
 mod tests {
-    use flb_format::Eye;
+    use flb_format::eye::Eye;
     use flb_stage::stream::Show;
 
     use super::*;

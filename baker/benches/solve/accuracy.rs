@@ -2,7 +2,7 @@
 
 use std::time::Instant;
 
-use flb_format::Optics;
+use flb_format::matter::Optics;
 use flb_transport::lattice::reference::{self, SolveDistance};
 use flb_transport::lattice::{SolveSettings, solve};
 

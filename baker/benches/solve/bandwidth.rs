@@ -2,7 +2,8 @@
 
 use std::time::Instant;
 
-use flb_format::{Medium, Optics};
+use flb_format::Medium;
+use flb_format::matter::Optics;
 use flb_transport::lattice::explicit::SITE_BYTES;
 use flb_transport::lattice::{SolveSettings, SolverKind, solve};
 use rayon::prelude::*;

@@ -4,7 +4,7 @@ use std::fmt::Write;
 use std::path::Path;
 use std::time::Instant;
 
-use flb_format::Optics;
+use flb_format::matter::Optics;
 use flb_transport::lattice::{SolveSettings, solve};
 
 use crate::{HEAP, oak};

@@ -3,7 +3,9 @@
 use flb_baker::{VoxelSettings, downsample, voxelise};
 use flb_fixtures::PlantKind;
 use flb_format::Medium;
-use flb_scene::{ClassRules, ImportSettings, classify, import};
+use flb_scene::classify::classify;
+use flb_scene::import::import;
+use flb_scene::{ClassRules, ImportSettings};
 
 /// The built-in oak at a lattice, as `flb bake` makes it.
 pub(crate) fn medium(lattice: u32) -> Medium {

@@ -2,7 +2,9 @@
 
 use std::time::Instant;
 
-use flb_format::{BaseSet, Medium, Optics};
+use flb_format::Medium;
+use flb_format::bases::BaseSet;
+use flb_format::matter::Optics;
 use flb_transport::lattice::reference::{self, Reference};
 use flb_transport::lattice::{Solution, SolveSettings, SolverKind, solve};
 

@@ -3,7 +3,7 @@
 //!
 //! [`BaseArtefact`]: super::BaseArtefact
 
-use flb_format::turbid::{INCLINATIONS, LeafAngles, TurbidMedium};
+use flb_format::matter::{INCLINATIONS, LeafAngles, TurbidMedium};
 use rkyv::{Archive, Deserialize, Serialize};
 
 use super::{Artefact, ArtefactError, MAX_BANDS, StoredGrid, check_length, fault};

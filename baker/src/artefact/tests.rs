@@ -1,4 +1,4 @@
-use flb_format::turbid::{LeafAngles, TurbidMedium};
+use flb_format::matter::{LeafAngles, TurbidMedium};
 
 use super::*;
 use crate::crown::{Crown, SeenSky};

@@ -1,9 +1,10 @@
 //! What the bakes of both models share: metadata, and the voxels of a plant.
 
 use flb_format::container::metadata;
+use flb_format::error::Place;
 use flb_format::meta::Bounds;
-use flb_format::provenance;
-use flb_format::{Grid, Medium, Model, Place, SpeciesMeta};
+use flb_format::model::Model;
+use flb_format::{Grid, Medium, SpeciesMeta, provenance};
 use flb_scene::plant::Record;
 use flb_scene::{ClassedMesh, Plant, Step};
 use serde_json::json;

@@ -1,6 +1,7 @@
 //! The error of the fields against Monte Carlo in the very same medium, for the file.
 
-use flb_format::{MonteCarloError, sun};
+use flb_format::light::MonteCarloError;
+use flb_format::sun;
 use flb_scene::Step;
 use flb_transport::monte_carlo::judge::{Judgement, Truth, photons, suns};
 use flb_transport::ordinates::{OrdinatesSettings, OrdinatesSolution, SiteAlbedos, SunBasis, near};

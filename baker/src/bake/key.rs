@@ -1,6 +1,6 @@
 //! Keys of what a store holds: BLAKE3 of the stage and of all that its result depends on, one named part each.
 
-use flb_format::SunBasis;
+use flb_format::light::SunBasis;
 use flb_transport::lattice::SolveSettings;
 use flb_transport::ordinates::OrdinatesSettings;
 use flb_transport::turbid::{BandScatter, Phase, Scatter};

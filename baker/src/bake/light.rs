@@ -1,6 +1,7 @@
 //! Solving the light of a turbid medium, or taking it from the store: of a species, and of a scene.
 
-use flb_format::{LightError, TurbidMedium};
+use flb_format::light::LightError;
+use flb_format::matter::TurbidMedium;
 use flb_scene::Step;
 use flb_transport::ordinates::{self, BandReport, OrdinatesSettings, OrdinatesSolution, Surroundings};
 use flb_transport::turbid::BandScatter;

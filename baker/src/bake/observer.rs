@@ -2,7 +2,8 @@
 
 use std::fmt;
 
-use flb_format::{BaseSet, SunBasis};
+use flb_format::bases::BaseSet;
+use flb_format::light::SunBasis;
 use flb_scene::{Observer, Step, Unobserved};
 use serde::Serialize;
 

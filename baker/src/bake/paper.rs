@@ -1,7 +1,10 @@
 //! A bake with the `paper` model.
 
-use flb_format::provenance;
-use flb_format::{BaseSet, Field, Medium, Model, Optics, SpeciesFields, SunBasis};
+use flb_format::bases::BaseSet;
+use flb_format::light::SunBasis;
+use flb_format::matter::Optics;
+use flb_format::model::Model;
+use flb_format::{Field, Medium, SpeciesFields, provenance};
 use flb_scene::Step;
 use flb_transport::lattice::{BaseReport, SolveSettings, SolverKind, find_gpu, solve};
 use serde_json::json;

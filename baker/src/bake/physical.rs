@@ -1,8 +1,11 @@
 //! A bake with the `physical` model: crown, discrete ordinates, and Monte Carlo to judge the fields by.
 
+use flb_format::bases::BaseSet;
+use flb_format::light::{FieldKind, Light, LightError, SunBasis};
 use flb_format::material_surface::{self, MATERIALS};
-use flb_format::provenance;
-use flb_format::{BaseSet, FieldKind, Light, LightError, Medium, Model, SpeciesFields, SunBasis, Surfaces};
+use flb_format::matter::Surfaces;
+use flb_format::model::Model;
+use flb_format::{Medium, SpeciesFields, provenance};
 use flb_scene::rays::RayMeshError;
 use flb_scene::{ClassedMesh, Step};
 use flb_transport::ordinates::{OrdinatesSettings, Surroundings};

@@ -1,8 +1,9 @@
 //! From the light of the even cloud in each site to the light that matter there receives
 //! ([`crate::crown::Recollision`]).
 
+use flb_format::Field;
 use flb_format::beam::BEAM_RAYS;
-use flb_format::{Field, SunBasis};
+use flb_format::light::SunBasis;
 use flb_transport::ordinates::{self, TotalLight, near};
 use rayon::prelude::*;
 

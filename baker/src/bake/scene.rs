@@ -1,10 +1,10 @@
 //! One function from the plants of a scene to its light: every species by itself, then all of the scene.
 
-use flb_format::provenance;
+use flb_format::bases::BaseSet;
+use flb_format::light::{FieldKind, Light, SunBasis};
+use flb_format::matter::{BandSurfaces, Surfaces, TurbidMedium};
 use flb_format::scene_light::{PLANT, Role, plant_digest};
-use flb_format::{
-    BandSurfaces, BaseSet, FieldKind, Light, Placement, SpeciesFields, SunBasis, Surfaces, TurbidMedium,
-};
+use flb_format::{Placement, SpeciesFields, provenance};
 use flb_scene::Step;
 use flb_scene::scene::{Scene, SceneSpecies, light_digest};
 use flb_transport::ordinates::{Ordinates, OrdinatesSettings, OrdinatesSolution, rays_for};
@@ -202,7 +202,9 @@ pub struct BakedAlone {
 /// ```
 /// use flb_baker::bake::{NoStore, PlantedScene, ScenePlant, SceneSettings, bake_scene};
 /// use flb_scene::Unobserved;
-/// use flb_format::{FieldKind, Grid, LeafAngles, Placement, Transform, TurbidMedium};
+/// use flb_format::light::FieldKind;
+/// use flb_format::matter::{LeafAngles, TurbidMedium};
+/// use flb_format::{Grid, Placement, Transform};
 /// use flb_scene::leaf::knapp_carter;
 ///
 /// // A bush: 8 sites of leaves along each edge of 1 m, in the middle of a lattice.

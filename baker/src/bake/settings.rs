@@ -1,6 +1,9 @@
 //! How to bake: by one word, or setting by setting.
 
-use flb_format::{BaseSet, FieldKind, Light, LightError, Quality, SOLID_OFFSET, SunBasis};
+use flb_format::Quality;
+use flb_format::bases::BaseSet;
+use flb_format::light::{FieldKind, Light, LightError, SunBasis};
+use flb_format::sample::SOLID_OFFSET;
 use flb_transport::lattice::{DEFAULT_MAX_SWEEPS, SolveSettings, SolverKind};
 use flb_transport::ordinates::{Ordinates, OrdinatesSettings, rays_for};
 
@@ -225,7 +228,7 @@ pub fn unsolved_light(solve: &OrdinatesSettings) -> Light {
         ordinates: solve.ordinates.count(),
         rays: solve.rays,
         suns: solve.suns.clone(),
-        leaf_angles: flb_format::turbid::LeafAngles::spherical(),
+        leaf_angles: flb_format::matter::LeafAngles::spherical(),
         error: LightError { suns_rms: 0.0, held_out: 0, solver: 0.0, monte_carlo: None },
         solid_offset: (solve.field == FieldKind::Scattered).then_some(SOLID_OFFSET),
     }

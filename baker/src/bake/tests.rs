@@ -1,7 +1,8 @@
 use std::collections::BTreeMap;
 use std::sync::Mutex;
 
-use flb_format::{FieldKind, Quality};
+use flb_format::Quality;
+use flb_format::light::FieldKind;
 use flb_scene::mesh::testing::soup;
 use flb_scene::{MaterialClass, Observer, Unobserved};
 use flb_transport::ordinates::Ordinates;

@@ -2,8 +2,7 @@
 
 use super::facets::Facets;
 use crate::voxelise::VoxelError;
-use flb_scene::class::MaterialClass;
-use flb_scene::mesh::Mesh;
+use flb_scene::{MaterialClass, Mesh};
 use flb_transport::turbid::{INCLINATIONS, LeafAngles};
 
 /// Distribution of leaf inclinations that is assumed.

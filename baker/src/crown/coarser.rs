@@ -6,7 +6,7 @@
 //! more than 1: a plant smaller than a site is spread far over its outline, which then tells nothing, and no matter is
 //! to be made.
 
-use flb_format::TurbidMedium;
+use flb_format::matter::TurbidMedium;
 use rayon::prelude::*;
 
 use super::directions::measured_axes;

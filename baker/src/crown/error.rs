@@ -1,7 +1,8 @@
 //! What can be wrong with a mesh and a medium that are to make a crown.
 
+use flb_format::Grid;
 use flb_format::meta::Bounds;
-use flb_format::{Cancelled, Grid};
+use flb_format::progress::Cancelled;
 
 use crate::voxelise::VoxelError;
 

@@ -2,8 +2,7 @@
 
 use crate::voxelise::VoxelError;
 use flb_scene::alpha::{Coverage, Cut, TexelBox, index};
-use flb_scene::class::MaterialClass;
-use flb_scene::mesh::Mesh;
+use flb_scene::{MaterialClass, Mesh};
 
 use super::view::View;
 

@@ -7,8 +7,7 @@ use super::directions::{Axis, judged_axes};
 use super::facets::Facets;
 use super::view::View;
 use crate::voxelise::{CLUSTER_EDGE, VoxelError, VoxelSettings, voxelise};
-use flb_scene::class::MaterialClass;
-use flb_scene::mesh::Mesh;
+use flb_scene::{MaterialClass, Mesh};
 use flb_transport::turbid::TurbidMedium;
 
 /// The lattice whose non-empty sites make a crown's outline, whatever lattice the crown is baked at.

@@ -2,7 +2,7 @@
 
 use std::ops::Range;
 
-use flb_format::{Cancelled, Progress};
+use flb_format::progress::{Cancelled, Progress};
 use rayon::prelude::*;
 
 use super::directions::Axis;

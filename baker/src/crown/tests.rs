@@ -4,11 +4,12 @@ use flb_format::Grid;
 use super::*;
 use crate::downsample::downsample;
 use crate::voxelise::{VoxelError, VoxelSettings, voxelise};
-use flb_scene::classify::{ClassRules, classify};
-use flb_scene::import::{ImportSettings, import};
+use flb_scene::classify::classify;
+use flb_scene::import::import;
 use flb_scene::mesh::Material;
 use flb_scene::mesh::sides::Side;
 use flb_scene::mesh::testing::soup;
+use flb_scene::{ClassRules, ImportSettings};
 use flb_testkit::solids;
 use flb_transport::turbid::INCLINATIONS;
 

@@ -14,13 +14,15 @@
 
 use std::path::Path;
 
+use flb_format::bases::BaseSet;
+use flb_format::canonical;
 use flb_format::meta::MAX_REASON_BYTES;
 use flb_format::text::url::shown_lines;
-use flb_format::{BaseSet, canonical};
 use serde::{Deserialize, Serialize};
 
 use super::Outline;
-use flb_scene::import::{ImportError, TEXT_BYTES, read_text};
+use flb_scene::ImportError;
+use flb_scene::import::{TEXT_BYTES, read_text};
 use flb_scene::species::MAX_BANDS;
 
 /// The schema that this build writes and reads.

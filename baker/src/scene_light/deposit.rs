@@ -4,7 +4,8 @@
 //! As the weights of a point are those of a sample at the point, light at a grain is read from sites that hold some of
 //! it, and never from empty ones. They sum to 1: area is neither lost nor made.
 
-use flb_format::{Grid, Placement, TurbidMedium, turbid::LeafAngles};
+use flb_format::matter::{LeafAngles, TurbidMedium};
+use flb_format::{Grid, Placement};
 
 use super::grains::Grain;
 

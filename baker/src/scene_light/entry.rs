@@ -1,8 +1,11 @@
 //! What a library says of a scene's lattice, or of a species alone: metadata and medium of an entry.
 
+use flb_format::light::Light;
+use flb_format::matter::{BandSurfaces, Class, Surfaces, TurbidMedium};
 use flb_format::meta::{Bounds, TriangleCounts};
+use flb_format::model::Model;
 use flb_format::scene_light::{GROUND_DENSITY, Role};
-use flb_format::{BandSurfaces, Class, Light, Medium, Model, SpeciesMeta, Surfaces, TurbidMedium};
+use flb_format::{Medium, SpeciesMeta};
 use serde_json::Value;
 
 /// Largest density of a site of plants: only the ground has 1.

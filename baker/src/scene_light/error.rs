@@ -1,8 +1,8 @@
 //! Why there is no light of a scene.
 
 use crate::crown::CrownError;
-use flb_format::FieldKind;
-use flb_scene::import::ImportError;
+use flb_format::light::FieldKind;
+use flb_scene::ImportError;
 use flb_transport::ordinates::OrdinatesError;
 
 /// Fault of the plants of a scene, or of the lattice over them.

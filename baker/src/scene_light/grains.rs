@@ -4,7 +4,7 @@
 //! middle of their matter, so that what a forest of thousands costs does not depend on how finely its species were
 //! baked. Where sites are larger than that, they are cut.
 
-use flb_format::TurbidMedium;
+use flb_format::matter::TurbidMedium;
 
 /// Optical area that one point stands for.
 #[derive(Debug, Clone, Copy, PartialEq)]

@@ -3,7 +3,8 @@
 
 use std::path::PathBuf;
 
-use flb_format::{BaseSet, Placement, Transform};
+use flb_format::bases::BaseSet;
+use flb_format::{Placement, Transform};
 
 use super::*;
 use flb_scene::scene::{self, HeightMap, Scene, SceneSky, SceneSpecies, Terrain, light_digest};
@@ -275,7 +276,9 @@ fn what_makes_no_scene_is_refused_by_name() {
     let mut turned = flb_scene::leaf::knapp_carter();
     let of_colors = luminance("oak", &turned).expect("R, G, B");
     turned.bands.reverse();
-    turned.bands.insert(1, flb_format::BandSurfaces { name: "NIR".to_owned(), ..turned.bands[0].clone() });
+    turned
+        .bands
+        .insert(1, flb_format::matter::BandSurfaces { name: "NIR".to_owned(), ..turned.bands[0].clone() });
     assert_eq!(luminance("oak", &turned).expect("B, NIR, G, R"), of_colors);
     let file = PathBuf::from("no-such-map.png");
     let map = HeightMap { file, origin_m: [0.0; 3], size_m: [1.0; 2], height_m: [0.0, 1.0] };

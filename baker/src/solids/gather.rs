@@ -2,7 +2,7 @@
 
 use std::sync::atomic::{AtomicUsize, Ordering};
 
-use flb_format::{Cancelled, Progress};
+use flb_format::progress::{Cancelled, Progress};
 use flb_scene::MaterialClass;
 use flb_scene::rays::{Ray, RayMesh};
 use flb_scene::sampling::{cosine_hemisphere, hash, r2_sequence};
@@ -171,7 +171,8 @@ impl Tracer<'_> {
         }
         light.iter_mut().for_each(|sum| *sum /= RAYS as f32);
         let grid = &self.solids.turbid.grid;
-        let at = point.at.as_dvec3() + normal.as_dvec3() * (flb_format::SOLID_OFFSET * grid.spacing_m);
+        let at =
+            point.at.as_dvec3() + normal.as_dvec3() * (flb_format::sample::SOLID_OFFSET * grid.spacing_m);
         let place = place_near(self.solids, self.places, point.at, normal);
         let weight = self.points.area as f32 * open;
         Some((Side { sample: grid.lattice_from_model(at.to_array()), weight, place }, light))

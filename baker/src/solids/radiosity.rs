@@ -10,8 +10,9 @@
 //!
 //! `straight` is the sky's and the suns' own light. Leaves elsewhere send what the solve found in their sites.
 
+use flb_format::light::SunBasis;
+use flb_format::progress::{Cancelled, Progress};
 use flb_format::sun::harmonics;
-use flb_format::{Cancelled, Progress, SunBasis};
 use flb_scene::rays::{Ray, RayMesh};
 use flb_scene::sampling::{cosine_hemisphere, hash, r2_sequence};
 use glam::{DVec3, Vec3};
@@ -100,7 +101,7 @@ impl<'a> Surfaces<'a> {
         for ((number, traced), light) in traced.iter().enumerate().zip(light.chunks_exact(width)) {
             let (weight, offset) = match self.is_wood(number / 2) {
                 true if traced.open < OPEN => continue,
-                true => (self.wood.area as f32 * traced.open, flb_format::SOLID_OFFSET),
+                true => (self.wood.area as f32 * traced.open, flb_format::sample::SOLID_OFFSET),
                 false => (self.leaves.area as f32, 0.0),
             };
             let (at, normal) = self.side(number);

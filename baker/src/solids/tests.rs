@@ -1,4 +1,6 @@
-use flb_format::{BaseSet, Grid, SunBasis, sample};
+use flb_format::bases::BaseSet;
+use flb_format::light::SunBasis;
+use flb_format::{Grid, sample};
 use flb_scene::MaterialClass::{Leaf, Wood};
 use flb_scene::mesh::testing::soup;
 use flb_scene::{ClassedMesh, Mesh};
@@ -102,7 +104,7 @@ impl Lit {
 
     /// Irradiance of a sky of fluence 1, where 1/4 is that in the open.
     fn at(&self, point: [f64; 3], normal: [f64; 3]) -> f64 {
-        let offset_m = flb_format::SOLID_OFFSET * self.grid.spacing_m;
+        let offset_m = flb_format::sample::SOLID_OFFSET * self.grid.spacing_m;
         let asked = std::array::from_fn(|axis| point[axis] + offset_m * normal[axis]);
         let mut light = [0.0];
         sample::trilinear(&self.field, self.grid.lattice_from_model(asked), &mut light);

@@ -1,6 +1,6 @@
 //! What can be wrong with a mesh or with settings, seen from voxelising and downsampling.
 
-use flb_format::Cancelled;
+use flb_format::progress::Cancelled;
 use flb_scene::alpha::AlphaError;
 
 /// A mesh, occupancy or settings that cannot be voxelised or downsampled.

@@ -1,6 +1,7 @@
 //! What voxelising makes: sparse masks of voxels and areas of sites.
 
-use flb_format::{Grid, site_of};
+use flb_format::Grid;
+use flb_format::sample::site_of;
 
 use super::{LATTICES, MAX_VOXELS, VoxelError};
 

@@ -6,8 +6,7 @@ use super::cutter::Cutter;
 use super::occupancy::{CLUSTER_EDGE, Cluster};
 use super::triangle::UNITS;
 use super::{Scene, VoxelError, VoxelSettings};
-use flb_scene::class::MaterialClass;
-use flb_scene::mesh::Mesh;
+use flb_scene::{MaterialClass, Mesh};
 
 /// Largest number of voxels per edge.
 pub const MAX_VOXELS: u32 = 64;

@@ -1,4 +1,5 @@
-use flb_format::{Class, Medium};
+use flb_format::Medium;
+use flb_format::matter::Class;
 use flb_scene::mesh::sides::Side;
 use proptest::prelude::*;
 

@@ -5,8 +5,8 @@ use flb_format::Grid;
 use rayon::prelude::*;
 
 use super::{Scene, Surface};
+use flb_scene::Mesh;
 use flb_scene::alpha::{Coverage, Cut, TexelBox};
-use flb_scene::mesh::Mesh;
 
 /// Snapped units per voxel.
 pub(super) const UNITS: i64 = 1 << 16;

@@ -1,6 +1,6 @@
 //! `--gpus` of `flb render`: how many GPUs draw a scene together.
 
-use flb_stage::GpuCount;
+use flb_stage::backend::GpuCount;
 
 /// "all", or a number.
 pub(super) fn gpu_count(text: &str) -> Result<GpuCount, String> {

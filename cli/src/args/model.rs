@@ -2,7 +2,7 @@
 
 use clap::{Args, ValueEnum};
 use flb_baker::crown::LeafAngleChoice;
-use flb_format::FieldKind;
+use flb_format::light::FieldKind;
 use flb_transport::monte_carlo::judge::MAX_SUNS;
 use flb_transport::ordinates::NamedSuns;
 

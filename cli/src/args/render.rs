@@ -8,7 +8,7 @@ use flb_scene::scene::SunHours;
 
 use super::gpu_count::gpu_count;
 use super::values::{angle_pair, exposure, size};
-use flb_stage::GpuCount;
+use flb_stage::backend::GpuCount;
 
 use super::{BandArgs, MemoryArgs, SkyArgs};
 

@@ -1,7 +1,7 @@
 //! What follows from the model that `flb bake` is asked for: its settings, the flags that it refuses, and what is said.
 
 use flb_baker::bake::{ModelSettings, PaperSettings, PhysicalSettings};
-use flb_format::FieldKind;
+use flb_format::light::FieldKind;
 use flb_transport::lattice::{SolverKind, find_gpu};
 use flb_transport::ordinates::{MAX_RAYS, NamedSuns};
 

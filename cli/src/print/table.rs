@@ -1,6 +1,6 @@
 //! Numbers and tables as people read them.
 
-use flb_format::{ClassError, MeshError, SourceError};
+use flb_format::mesh::{ClassError, MeshError, SourceError};
 
 use super::one_line;
 

@@ -4,9 +4,11 @@
 use std::path::Path;
 
 use flb_format::SpeciesMeta;
+use flb_scene::classify::classify;
+use flb_scene::extents::Extents;
 use flb_scene::plant::recorded_settings;
 use flb_scene::scene::SceneSpecies;
-use flb_scene::{ClassedMesh, Extents, ImportSettings, classify};
+use flb_scene::{ClassedMesh, ImportSettings};
 
 use crate::args::SpeciesArg;
 use crate::classes::read_mesh;

@@ -7,7 +7,7 @@ use std::io::Write;
 use flb_format::error::Place;
 use flb_format::{FormatError, Source};
 use flb_inspector::validate::{Level, Report, check};
-use flb_runtime::{FileSource, is_replaced};
+use flb_runtime::source::{FileSource, is_replaced};
 
 use crate::exit::{Failure, INPUT_OUTPUT};
 

@@ -1,7 +1,8 @@
 //! What a texel means: said by the colours themselves, by a flag, by a species file; told by `bake`, `materials` and
 //! `info`.
 
-use flb_format::{Container, Texel};
+use flb_format::Container;
+use flb_format::material_surface::Texel;
 use flb_packer::{EncodeSettings, encode_species, load_species, write_library};
 use serde_json::{Value, json};
 

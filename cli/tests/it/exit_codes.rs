@@ -1,7 +1,7 @@
 //! Every exit code of the house, provoked, with the words that go with it.
 
 use flb_format::container::digest::Root;
-use flb_format::records::{HEADER_BYTES, Header};
+use flb_format::container::records::{HEADER_BYTES, Header};
 
 use crate::flb::{Folder, MODELS, PAPER, SMALL};
 

@@ -4,7 +4,7 @@
 use std::collections::BTreeMap;
 use std::fs;
 
-use flb_format::records::*;
+use flb_format::container::records::*;
 use flb_format::testing::{Digests, Page, Parts, golden};
 use serde_json::Value;
 

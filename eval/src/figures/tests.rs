@@ -1,6 +1,7 @@
-use flb_render::irradiance;
+use flb_render::irradiance::irradiance;
 use flb_render::irradiance::{Estimate, SideIrradiance};
-use flb_scene::{ClassedMesh, surface_points};
+use flb_scene::ClassedMesh;
+use flb_scene::surface_points::surface_points;
 
 use super::*;
 

@@ -6,7 +6,8 @@
 use std::fmt;
 
 use flb_baker::bake::BakeSettings;
-use flb_format::{Codec, FieldKind, Quality};
+use flb_format::light::FieldKind;
+use flb_format::{Codec, Quality};
 use flb_packer::rate::Target;
 use flb_packer::{CodingPreset, EncodeSettings};
 use flb_transport::ordinates::{NamedSuns, Ordinates};

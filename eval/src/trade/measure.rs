@@ -1,9 +1,11 @@
 //! One choice: baked as `flb bake` bakes it, coded in every way asked for, and measured.
 
 use flb_baker::bake::{BakeObserver, Baked, NoStore, bake};
-use flb_packer::{SpeciesFields, encode_species, write_library_to};
+use flb_format::SpeciesFields;
+use flb_packer::{encode_species, write_library_to};
 use flb_runtime::Library;
-use flb_scene::{Plant, Step, SurfacePoint};
+use flb_scene::surface_points::SurfacePoint;
+use flb_scene::{Plant, Step};
 use flb_transport::turbid::scatter;
 
 use super::choice::{Choice, FINEST_STORE, Store};

@@ -1,9 +1,12 @@
 //! How far the light of a coded file is off on the mesh: the truth is traced once, and every file is asked as a
 //! renderer asks it.
 
-use flb_format::{ClassError, FieldKind, SpeciesMeta};
+use flb_format::SpeciesMeta;
+use flb_format::light::FieldKind;
+use flb_format::mesh::ClassError;
 use flb_runtime::{Daylight, InstanceLight, SpeciesLight};
-use flb_scene::{ClassedMesh, Observer, SurfacePoint};
+use flb_scene::surface_points::SurfacePoint;
+use flb_scene::{ClassedMesh, Observer};
 use serde::Serialize;
 
 use crate::EvalError;

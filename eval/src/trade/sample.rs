@@ -3,7 +3,8 @@
 
 use std::sync::Arc;
 
-use flb_runtime::{Daylight, InstanceLight, Library, PreparedSun, SpeciesLight};
+use flb_runtime::samplers::PreparedSun;
+use flb_runtime::{Daylight, InstanceLight, Library, SpeciesLight};
 use rayon::prelude::*;
 use serde::Serialize;
 

@@ -1,7 +1,8 @@
 //! Models of light transport that are tried, and what differs between them: nothing else of a trade tells them apart.
 
 use flb_baker::bake::{ModelSettings, PaperSettings, PhysicalSettings};
-use flb_format::{FieldKind, Quality, SunBasis};
+use flb_format::Quality;
+use flb_format::light::{FieldKind, SunBasis};
 use flb_scene::Plant;
 use flb_transport::ordinates::{NamedSuns, Ordinates, rays_for};
 

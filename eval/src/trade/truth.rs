@@ -1,7 +1,8 @@
 //! How far a solve is from Monte Carlo in the physical medium of its lattice, over the non-empty sites, the noise taken
 //! out by two seeds.
 
-use flb_format::{Field, Progress};
+use flb_format::Field;
+use flb_format::progress::Progress;
 use flb_transport::monte_carlo::judge::{self, Judgement, photons};
 use flb_transport::ordinates::{OrdinatesSettings, OrdinatesSolution, SiteAlbedos, TotalLight, near};
 use flb_transport::turbid::{BandScatter, TurbidMedium};

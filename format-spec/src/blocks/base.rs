@@ -91,7 +91,7 @@ fn check_size(added: usize, payload: &[u8]) -> Result<(), BlockFault> {
 /// Bytes behind the last field, so that a reader may take those of a group anywhere.
 const WINDOW_BYTES: usize = GROUP_BYTES;
 /// Most bytes of the payloads of a base's detail, so that places of bits are `u32`.
-const MAX_DETAIL_BYTES: usize = crate::records::MAX_DETAIL_BYTES as usize;
+const MAX_DETAIL_BYTES: usize = crate::container::records::MAX_DETAIL_BYTES as usize;
 
 /// A base, expanded for random access to its blocks.
 #[derive(Debug, Clone)]

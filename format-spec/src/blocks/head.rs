@@ -5,7 +5,7 @@ use super::{BlockFault, MAX_HALVINGS, Rule, TEXELS};
 /// Bytes before the rotation.
 const FIXED_BYTES: usize = 32;
 /// Largest magnitude of a peak.
-const MAX_MAGNITUDE: f32 = crate::records::MAX_MAGNITUDE;
+const MAX_MAGNITUDE: f32 = crate::container::records::MAX_MAGNITUDE;
 /// Largest unit, 2^88: 64 components of i32 texels stay finite.
 const MAX_UNIT: f32 = 309_485_009_821_345_068_724_781_056.0;
 

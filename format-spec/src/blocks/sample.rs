@@ -11,7 +11,7 @@ use super::coarse::Coarse;
 use super::lanes::{self, Job, Lanes, Weights};
 use super::transform::{AVERAGE_COEFFICIENT, EDGE, HAAR, Rows, SMOOTH};
 use super::{Coding, MAX_HALVINGS, TEXELS, detail};
-use crate::records::MAX_BANDS;
+use crate::container::records::MAX_BANDS;
 
 /// Most components of the fast path.
 const FEW: usize = 4;

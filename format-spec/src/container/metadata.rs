@@ -8,11 +8,13 @@ use crate::text::is_hidden;
 use serde_json::Value;
 
 use super::records::{LATTICES, MAX_BANDS, MAX_METADATA_BYTES};
+use crate::SpeciesMeta;
 use crate::canonical::{self, JsonFault};
 use crate::error::{FormatError, Place};
+use crate::mean_light::MeanLight;
 use crate::meta::LeftOut;
 use crate::model::Model;
-use crate::{MeanLight, Optics, SpeciesMeta};
+use crate::optics::Optics;
 
 /// Largest size of a name, in bytes, UTF-8.
 pub const MAX_NAME_BYTES: usize = 255;

@@ -210,7 +210,7 @@ impl BlockPage {
 }
 
 /// The absolute threshold of a base: its value in empty space
-/// ([`Model::empty_value`](crate::Model::empty_value)) times the relative one, in f32.
+/// ([`Model::empty_value`](crate::model::Model::empty_value)) times the relative one, in f32.
 pub fn absolute_threshold(empty_value: f32, relative: f32) -> f32 {
     relative * empty_value
 }

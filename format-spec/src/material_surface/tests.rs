@@ -1,7 +1,8 @@
 use super::*;
+use crate::Grid;
 use crate::meta::{Bounds, TriangleCounts};
 use crate::model::Model;
-use crate::{Grid, Optics};
+use crate::optics::Optics;
 
 /// Of three bands.
 fn meta(value: Option<Value>) -> SpeciesMeta {

@@ -6,8 +6,13 @@ use serde::{Deserialize, Serialize};
 use serde_json::Value;
 
 use super::{Bounds, LeftOut, SourceFile, SpeciesMeta, TriangleCounts};
+use crate::Grid;
+use crate::light::Light;
 use crate::light::json::present;
-use crate::{Grid, Light, MeanLight, Model, Optics, Surfaces};
+use crate::mean_light::MeanLight;
+use crate::model::Model;
+use crate::optics::Optics;
+use crate::surfaces::Surfaces;
 
 #[derive(Serialize, Deserialize)]
 pub(super) struct PlainMeta {

@@ -16,7 +16,7 @@
 //! that a renderer that rounds a sun's direction otherwise than we do still finds the base.
 
 use super::towards_sun;
-use crate::BaseSet;
+use crate::bases::BaseSet;
 use crate::direction::{DIRECTIONS, MOVING};
 
 /// A base is kept where a sun of the set is within this of giving it weight.

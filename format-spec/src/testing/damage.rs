@@ -2,8 +2,9 @@
 
 use super::{Dice, Digests, Parts};
 use crate::Container;
-use crate::records::{HEADER_BYTES, Header, MAGIC, PAGE_ENTRY_BYTES, PageEntry, SECTION_ENTRY_BYTES};
-use crate::records::{STORED_PLAIN, SectionEntry};
+use crate::container::records::{
+    HEADER_BYTES, Header, MAGIC, PAGE_ENTRY_BYTES, PageEntry, SECTION_ENTRY_BYTES, STORED_PLAIN, SectionEntry,
+};
 
 /// Changes bytes at random: libFuzzer's own mutation, in the fuzz targets. The length may change.
 pub type Change<'a> = dyn FnMut(&mut Vec<u8>) + 'a;

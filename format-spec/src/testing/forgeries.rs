@@ -10,7 +10,7 @@ mod near;
 mod physical;
 
 use super::{Digests, Parts, golden};
-use crate::records::*;
+use crate::container::records::*;
 
 /// A bad file.
 #[derive(Debug, Clone)]

@@ -5,7 +5,7 @@
 //! [`Parts::seal`] makes digests fit from the level on that the corruption leaves to them.
 
 use crate::container::digest::{self, Root};
-use crate::records::*;
+use crate::container::records::*;
 
 const CONTENTS_AT: usize = HEADER_BYTES as usize;
 const ENTRY: usize = SECTION_ENTRY_BYTES as usize;

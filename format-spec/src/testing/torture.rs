@@ -19,7 +19,7 @@ mod records;
 mod transfers;
 
 use super::{Dice, Digests, Parts, check};
-use crate::records::{Header, PageEntry, SectionEntry};
+use crate::container::records::{Header, PageEntry, SectionEntry};
 use crate::{Container, FormatError};
 
 pub use flips::code_of_flip;

@@ -1,10 +1,11 @@
 //! Exhaustive damage to golden files: every prefix, every flipped bit of header and tables, and the
 //! whole-file mishaps of a real life (measurements, section 4).
 
+use flb_format::container::records::{KIND_BASE, PageEntry, SectionEntry};
 use flb_format::container::verify;
-use flb_format::records::{KIND_BASE, PageEntry};
+use flb_format::error::Place;
 use flb_format::testing::{Dice, Digests, GOLDEN, Parts, check, golden};
-use flb_format::{Container, FormatError, Place, SectionEntry};
+use flb_format::{Container, FormatError};
 
 #[test]
 fn every_golden_file_keeps_every_promise() {

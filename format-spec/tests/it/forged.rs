@@ -3,11 +3,11 @@
 use std::collections::BTreeSet;
 use std::io;
 
-use flb_format::error::CODES;
-use flb_format::records::*;
+use flb_format::container::records::*;
+use flb_format::error::{CODES, ErrorClass};
 use flb_format::testing::forgeries::Forgery;
 use flb_format::testing::{Digests, Parts, check, golden};
-use flb_format::{Container, ErrorClass, FormatError, Source};
+use flb_format::{Container, FormatError, Source};
 
 use crate::said::bad_files;
 

@@ -4,11 +4,12 @@ use std::path::Path;
 use std::process::{Command, Output};
 
 use flb_format::container::digest;
+use flb_format::container::records::{KIND_BASE, MEDIUM_ITEMS, STORED_ZSTD};
 use flb_format::container::verify::hexadecimal;
-use flb_format::records::{KIND_BASE, MEDIUM_ITEMS, STORED_ZSTD};
+use flb_format::error::ErrorClass;
 use flb_format::testing::forgeries::sound_blocks;
 use flb_format::testing::{Digests, GOLDEN, Parts, check, golden};
-use flb_format::{Container, ErrorClass, Field, canonical};
+use flb_format::{Container, Field, canonical};
 use serde_json::{Value, json};
 
 use crate::said::bad_files;

@@ -1,9 +1,9 @@
+use flb_format::light::{FieldKind, Light, LightError, SunBasis};
+use flb_format::matter::{BandSurfaces, Class, LeafAngles, LeafSurface, Optics, Surfaces, WoodSurface};
 use flb_format::meta::{Bounds, SourceFile, TriangleCounts};
-use flb_format::{
-    BandSurfaces, Class, FieldKind, Grid, LeafAngles, LeafSurface, Light, LightError, Model, Optics,
-    SpeciesMeta, SunBasis, Surfaces, WoodSurface,
-};
-use flb_packer::{EncodeSettings, SpeciesFields, encode_species, write_library_to};
+use flb_format::model::Model;
+use flb_format::{Grid, SpeciesFields, SpeciesMeta};
+use flb_packer::{EncodeSettings, encode_species, write_library_to};
 use serde_json::json;
 
 use super::*;

@@ -1,6 +1,6 @@
 //! Two arrays of values to the size of their difference.
 
-use flb_format::site_of;
+use flb_format::sample::site_of;
 use serde::Serialize;
 
 /// Difference of two arrays of one shape. Sums run in f64 in the arrays' order.

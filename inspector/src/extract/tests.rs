@@ -133,7 +133,7 @@ fn extinction_shows_both_its_parts() {
         grid: medium.grid,
         leaf_per_m: medium.leaf_area_density.iter().map(|area| area / 2.0).collect(),
         wood_per_m: medium.wood_area_density.iter().map(|area| area * 2.0).collect(),
-        angles: flb_format::LeafAngles::planophile(),
+        angles: flb_format::matter::LeafAngles::planophile(),
     };
     let volume = Volume::Extinction(&turbid);
     let sheet = Sheet::read(&slice_sheet_png(&volume, N).unwrap());

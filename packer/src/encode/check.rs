@@ -1,10 +1,13 @@
 //! Whether the arrays of a species fit its metadata and hold values that the format takes.
 
-use flb_format::records::MAX_MAGNITUDE;
-use flb_format::{BaseSet, Class, Codec, Field};
+use flb_format::bases::BaseSet;
+use flb_format::container::records::MAX_MAGNITUDE;
+use flb_format::matter::Class;
+use flb_format::{Codec, Field};
 use rayon::prelude::*;
 
-use crate::{PackError, SpeciesFields};
+use crate::PackError;
+use flb_format::SpeciesFields;
 
 /// The bases in ascending order, once their shapes and values fit the metadata and the codec.
 pub(super) fn fields(fields: &SpeciesFields, codec: Codec) -> Result<Vec<&(u8, Field)>, PackError> {

@@ -4,8 +4,11 @@
 use std::sync::Arc;
 
 use flb_format::blocks::{BlockMap, Classes, CodedBase, Coding, Shared};
-use flb_format::records::*;
-use flb_format::{Class, Codec, Field, Progress, SunBasis};
+use flb_format::container::records::*;
+use flb_format::light::SunBasis;
+use flb_format::matter::Class;
+use flb_format::progress::Progress;
+use flb_format::{Codec, Field};
 use rayon::prelude::*;
 
 use crate::quality::{BaseReport, SurfaceError};
@@ -13,7 +16,8 @@ use crate::rate::{
     BasePayloads, DetailCoding, Missed, RateSettings, SampledSites, SpeciesPayloads, code_harmonics,
     code_species,
 };
-use crate::{EncodeSettings, EncodedPage, EncodedSection, PackError, SpeciesFields};
+use crate::{EncodeSettings, EncodedPage, EncodedSection, PackError};
+use flb_format::SpeciesFields;
 
 use super::{section, store};
 

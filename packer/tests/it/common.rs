@@ -2,14 +2,16 @@
 
 use std::collections::BTreeMap;
 
+use flb_format::light::{FieldKind, Light, LightError, MonteCarloError, SunBasis};
+use flb_format::matter::{
+    BandSurfaces, Class, LeafAngles, LeafSurface, Optics, Surfaces, TurbidMedium, WoodSurface,
+};
 use flb_format::meta::{Bounds, SourceFile, TriangleCounts};
+use flb_format::model::Model;
 use flb_format::sun::directions::SunDirections;
 use flb_format::sun::towards_sun;
-use flb_format::{
-    BandSurfaces, Class, Field, FieldKind, Grid, LeafAngles, LeafSurface, Light, LightError, Medium, Model,
-    MonteCarloError, Optics, SpeciesMeta, SunBasis, Surfaces, TurbidMedium, WoodSurface,
-};
-use flb_packer::{EncodeSettings, SpeciesFields, encode_species, write_library_to};
+use flb_format::{Field, Grid, Medium, SpeciesFields, SpeciesMeta};
+use flb_packer::{EncodeSettings, encode_species, write_library_to};
 
 /// Exact arithmetic only, so that every machine grows the same numbers.
 fn field(lattice: u32, base: u8, bands: u32) -> Field {

@@ -6,12 +6,12 @@
 use std::path::PathBuf;
 
 use crate::common::{bipyramid, pack, physical, species, whole};
+use flb_format::light::{FieldKind, SunBasis};
+use flb_format::matter::Class;
 use flb_format::meta::LeftOut;
-use flb_format::{Class, Codec, Container, FieldKind, SunBasis};
+use flb_format::{Codec, Container, SpeciesFields};
 use flb_packer::rate::Target;
-use flb_packer::{
-    EncodeSettings, SpeciesFields, copy_species, encode_species, load_species, write_library_to,
-};
+use flb_packer::{EncodeSettings, copy_species, encode_species, load_species, write_library_to};
 
 fn golden() -> Vec<(&'static str, Vec<SpeciesFields>, EncodeSettings)> {
     let haar = |threshold, compress| EncodeSettings {

@@ -1,9 +1,9 @@
 //! What page tables say of pages: the error that each removes, and whose bytes it shares.
 
 use crate::common::{pack, species, species_at};
-use flb_format::block;
-use flb_format::records::*;
-use flb_format::{Codec, Container, Field, site_of};
+use flb_format::container::records::*;
+use flb_format::sample::site_of;
+use flb_format::{Codec, Container, Field, block};
 use flb_packer::rate::Target;
 use flb_packer::{EncodeSettings, copy_species, write_library_to};
 

@@ -3,11 +3,13 @@
 use std::sync::Arc;
 
 use flb_format::blocks::{BlockMap, Classes, CodedBase, Coding, Shared};
-use flb_format::{Field, sample, site_of};
+use flb_format::sample::site_of;
+use flb_format::{Field, sample};
+use flb_packer::PackError;
 use flb_packer::rate::{
     BasePayloads, DetailCoding, RateSettings, SLACK_DB, SpeciesPayloads, Target, code_harmonics, code_species,
 };
-use flb_packer::{POINTS_PER_SITE, PackError, surface_point};
+use flb_packer::surface::{POINTS_PER_SITE, surface_point};
 
 /// Sites along an edge.
 const LATTICE: u32 = 32;

@@ -2,17 +2,18 @@
 
 use std::collections::BTreeMap;
 
+use flb_format::bases::BaseSet;
+use flb_format::light::{FieldKind, Light, LightError, SunBasis};
+use flb_format::matter::{
+    BandSurfaces, Class, LeafAngles, LeafSurface, Optics, Surfaces, TurbidMedium, WoodSurface,
+};
 use flb_format::meta::{Bounds, TriangleCounts};
+use flb_format::model::Model;
+use flb_format::progress::Cancelled;
 use flb_format::sun::directions::SunDirections;
-use flb_format::{
-    BandSurfaces, BaseSet, Cancelled, Class, Codec, Container, Field, FieldKind, Grid, LeafAngles,
-    LeafSurface, Light, LightError, Medium, Model, Optics, SpeciesMeta, SunBasis, Surfaces, TurbidMedium,
-    WoodSurface,
-};
+use flb_format::{Codec, Container, Field, Grid, Medium, SpeciesFields, SpeciesMeta};
 use flb_packer::leave_out::{keep_bases, keep_coded_bases};
-use flb_packer::{
-    EncodeSettings, EncodedSpecies, PackError, SpeciesFields, encode_species, write_library_to,
-};
+use flb_packer::{EncodeSettings, EncodedSpecies, PackError, encode_species, write_library_to};
 
 fn fields(name: &str) -> SpeciesFields {
     let grid = Grid { lattice: 16, origin_m: [0.0; 3], spacing_m: 0.5 };

@@ -18,10 +18,10 @@ use flb_fixtures::PlantKind;
 use flb_format::sun::{self, towards_sun};
 use flb_format::{Placement, Transform};
 use flb_gpu::Gpu;
-use flb_render::forest::{Eye, Forest, Ground, InstanceSearch, Land, ModelSearch, Search, Species, View};
-use flb_render::{Lighting, Look, Shading};
+use flb_render::forest::{Eye, Forest, Ground, InstanceSearch, Land, ModelSearch, Search, View};
+use flb_render::{Lighting, Look, Shading, Species};
 use flb_render_gpu::{FEATURES, ForestSettings, GpuForest, LightSet, LightSource};
-use flb_runtime::SpeciesSampler;
+use flb_runtime::samplers::SpeciesSampler;
 use flb_scene::Mesh;
 
 use plants::{CLASSES, library, mesh, stand};

@@ -1,9 +1,10 @@
 //! What stands in the benchmark's scenes: grown plants, where they stand, and a file of light.
 
 use flb_fixtures::{PlantKind, grow};
+use flb_format::matter::Class;
 use flb_format::meta::Bounds;
 use flb_format::sun::towards_sun;
-use flb_format::{Class, Field, Grid, Medium, Placement, Transform};
+use flb_format::{Field, Grid, Medium, Placement, Transform};
 use flb_runtime::Library;
 use flb_scene::{MaterialClass, Mesh};
 use flb_testkit::{crown, grown};

@@ -1,12 +1,16 @@
 //! Light among neighbours: as the CPU lights plants by the same shade, in both shadings, and with shades that plants
 //! share.
 
+use flb_format::light::SunBasis;
 use flb_format::sun::towards_sun;
-use flb_format::{Codec, Placement, SunBasis};
+use flb_format::{Codec, Daylight, Placement};
 use flb_render::forest::Forest;
-use flb_render::{Daylight, Indirect, LightQuery, Lighting, Look, PHYSICAL_EXPOSURE, Picture, Shading, hash};
-use flb_runtime::scene_light::{Modulations, PreparedSceneLight, SceneLightAtSun, TILTS};
-use flb_runtime::{Library, PhysicalSampler, SceneLight, SpeciesSampler, offset};
+use flb_render::picture::PHYSICAL_EXPOSURE;
+use flb_render::{Indirect, LightQuery, Lighting, Look, Picture, Shading};
+use flb_runtime::Library;
+use flb_runtime::samplers::{PhysicalSampler, SpeciesSampler, offset};
+use flb_runtime::scene_light::{Modulations, PreparedSceneLight, SceneLight, SceneLightAtSun, TILTS};
+use flb_scene::sampling::hash;
 use flb_testkit::scenes::{library, physical, plane, scene_light, stand, view};
 
 use super::gpu;

@@ -2,8 +2,8 @@
 
 use flb_fixtures::PlantKind;
 use flb_gpu::{DeviceError, Gpu};
-use flb_render::forest::{Forest, Search, Species};
-use flb_render::{Lighting, Look, RenderError, Shading};
+use flb_render::forest::{Forest, Search};
+use flb_render::{Lighting, Look, RenderError, Shading, Species};
 use flb_scene::mesh::Material;
 use flb_testkit::scenes::{CLASSES, plane, plant, stand, view};
 

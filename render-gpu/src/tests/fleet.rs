@@ -1,11 +1,13 @@
 //! Several devices at one picture, here all on one adapter: the same picture to the bit, also where some are lost.
 
+use flb_format::Codec;
+use flb_format::light::SunBasis;
 use flb_format::sun::towards_sun;
-use flb_format::{Codec, SunBasis};
 use flb_gpu::{DeviceError, Gpu};
 use flb_render::forest::{Forest, View, Water};
 use flb_render::{Lighting, Look, RenderError, Shading};
-use flb_runtime::{Library, SceneLight};
+use flb_runtime::Library;
+use flb_runtime::scene_light::SceneLight;
 use flb_testkit::scenes::{hills, library, scene_light, stand, view};
 
 use super::gpu;

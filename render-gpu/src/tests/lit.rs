@@ -1,13 +1,14 @@
 //! Pictures: as the CPU relights them, in both shadings, with light from files.
 
 use flb_fixtures::PlantKind;
+use flb_format::light::SunBasis;
 use flb_format::sun::towards_sun;
-use flb_format::{Codec, Placement, SunBasis};
-use flb_render::forest::{Forest, Search, Species};
-use flb_render::{
-    Daylight, Indirect, LightQuery, Lighting, Look, PHYSICAL_EXPOSURE, Picture, Shading, Surfaces, hash,
-};
-use flb_runtime::{PhysicalSampler, SpeciesSampler, offset};
+use flb_format::{Codec, Daylight, Placement};
+use flb_render::forest::{Forest, Search};
+use flb_render::picture::PHYSICAL_EXPOSURE;
+use flb_render::{Indirect, LightQuery, Lighting, Look, Picture, Shading, Species, Surfaces};
+use flb_runtime::samplers::{PhysicalSampler, SpeciesSampler, offset};
+use flb_scene::sampling::hash;
 use flb_testkit::scenes::{self, CLASSES, hills, library, physical, plane, plant, stand, view};
 
 use super::gpu;

@@ -2,14 +2,15 @@
 
 use std::sync::Arc;
 
+use flb_format::light::SunBasis;
 use flb_format::sun::towards_sun;
-use flb_format::{Codec, Placement, SunBasis};
+use flb_format::{Codec, Daylight, Placement};
 use flb_render::forest::View;
-use flb_render::{
-    Daylight, Indirect, LightQuery, Lighting, Look, PHYSICAL_EXPOSURE, Picture, Shading, Surfaces,
-};
-use flb_runtime::scene_light::SceneLightAtSun;
-use flb_runtime::{Library, SceneLight, SkyBeams, SpeciesLight};
+use flb_render::picture::PHYSICAL_EXPOSURE;
+use flb_render::{Indirect, LightQuery, Lighting, Look, Picture, Shading, Surfaces};
+use flb_runtime::light::SkyBeams;
+use flb_runtime::scene_light::{SceneLight, SceneLightAtSun};
+use flb_runtime::{Library, SpeciesLight};
 use flb_scene::sky::Sky;
 use flb_testkit::scenes::{hills, library, physical, plane, scene_light, stand, view};
 

@@ -3,8 +3,8 @@
 use flb_fixtures::PlantKind;
 use flb_format::Placement;
 use flb_gpu::Gpu;
-use flb_render::Shading;
-use flb_render::forest::{Forest, Fragment, Ground, Search, Species, View};
+use flb_render::forest::{Forest, Fragment, Ground, Search, View};
+use flb_render::{Shading, Species};
 use flb_scene::Mesh;
 use flb_scene::mesh::sides::Side;
 use flb_scene::mesh::{AlphaMode, Texture, Wrap};

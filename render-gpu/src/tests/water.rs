@@ -1,9 +1,10 @@
 //! Water: mirrors on a GPU what it mirrors on the CPU.
 
-use flb_format::Placement;
 use flb_format::sun::towards_sun;
+use flb_format::{Daylight, Placement};
 use flb_render::forest::{Fragment, Ground, InstanceSearch, Land, ModelSearch, Search, View, Water};
-use flb_render::{Daylight, Indirect, LightQuery, Lighting, Look, PHYSICAL_EXPOSURE, RenderError, Shading};
+use flb_render::picture::PHYSICAL_EXPOSURE;
+use flb_render::{Indirect, LightQuery, Lighting, Look, RenderError, Shading};
 use flb_testkit::scenes::{hills, physical, stand, view};
 
 use super::gpu;

@@ -1,6 +1,6 @@
 //! The camera of a forest's picture: an [`Eye`] that was checked, and the rays it sends out.
 
-use flb_format::Eye;
+use flb_format::eye::Eye;
 use glam::DVec3;
 
 use super::placed::WorldRay;

@@ -1,6 +1,6 @@
 //! What every ray of a picture meets first: traced once for a camera, lit as often as the sun moves.
 
-use flb_format::Progress;
+use flb_format::progress::Progress;
 use flb_scene::sampling::cosine_hemisphere;
 use glam::{DVec3, Vec3};
 
@@ -11,13 +11,11 @@ use super::{
     trace::PlantHit,
     view_grid::ViewGrid,
 };
-use crate::{
-    RenderError, hash, jitter,
-    lens::Lens,
-    r2_sequence,
-    scene::TriangleHit,
-    settings::{MAX_EDGE, MAX_PIXELS, MAX_SAMPLES},
-};
+use crate::lens::Lens;
+use crate::scene::TriangleHit;
+use crate::settings::{MAX_EDGE, MAX_PIXELS, MAX_SAMPLES};
+use crate::{RenderError, jitter, r2_sequence};
+use flb_scene::sampling::hash;
 
 /// Largest number of rays of a picture: 3 GiB of fragments, and as much again for what is mirrored, where all is water.
 pub const MAX_RAYS: u64 = 1 << 27;

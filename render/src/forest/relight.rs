@@ -1,6 +1,6 @@
 //! Rays in the light of a sun: shadow rays and baked light, and nothing that the camera has found before.
 
-use flb_format::Progress;
+use flb_format::progress::Progress;
 use flb_scene::MaterialClass;
 use glam::{DVec3, Vec3};
 

@@ -7,7 +7,8 @@ use glam::DVec3;
 
 use super::Forest;
 use crate::backdrop::on_level_ground;
-use crate::{Lighting, Look, RenderError, Units};
+use crate::shading::Units;
+use crate::{Lighting, Look, RenderError};
 
 /// Strengths of everything around the plants under one sun, for one camera.
 #[derive(Debug, Clone, Copy, PartialEq)]

@@ -1,11 +1,11 @@
-use flb_format::{Cancelled, Placement, Transform};
+use flb_format::progress::Cancelled;
+use flb_format::{Placement, Transform};
 use flb_scene::scene::Heights;
 use glam::{DMat3, Vec3};
 
 use super::*;
-use crate::tests::Setup;
-use crate::tests::{add_quad, grown, image, material, textured, wall};
-use crate::{Indirect, Picture, Surfaces};
+use crate::tests::{Setup, add_quad, grown, image, material, textured, wall};
+use crate::{Indirect, LightQuery, Picture, Surfaces};
 use flb_fixtures::PlantKind;
 use flb_scene::mesh::{AlphaMode, Wrap};
 

@@ -1,5 +1,6 @@
 use std::f32::consts::{FRAC_1_PI, PI};
 
+use crate::reference::Reference;
 use crate::tests::{Setup, add_quad, at, dark, material, oak, plain, reference, render, wall};
 use crate::*;
 use flb_scene::{MaterialClass, Mesh};

@@ -1,8 +1,9 @@
 //! What is sampled: a species of a library, or a crown from a formula, and points at its surfaces.
 
 use flb_format::blocks::CodedBase;
+use flb_format::matter::Class;
 use flb_format::meta::Bounds;
-use flb_format::{Class, Field, Grid, Medium};
+use flb_format::{Field, Grid, Medium};
 use flb_runtime::Library;
 use flb_testkit::crown;
 

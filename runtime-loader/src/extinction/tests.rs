@@ -1,4 +1,4 @@
-use flb_format::LeafAngles;
+use flb_format::matter::LeafAngles;
 
 use super::*;
 use crate::near_beam::dense;

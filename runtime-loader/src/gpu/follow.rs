@@ -31,7 +31,7 @@
 use std::collections::{HashSet, VecDeque};
 
 use super::{GpuError, GpuLight, GpuSpeciesId, SkyOnGpu, Term};
-use crate::SkyBeams;
+use crate::light::SkyBeams;
 use crate::residency::{Unit, UnitId, UnitKind, Units};
 use crate::resident::{Resident, ResidentSpecies, Shown, Terms};
 use crate::stream::Frame;

@@ -6,7 +6,7 @@
 //! SkyBeams::sky -SkyLight-> SkyOnGpu -GpuSpecies::sky_terms, Follower::sky_terms-> Term -> GpuLight::set_terms
 //! ```
 
-use flb_format::SunBasis;
+use flb_format::light::SunBasis;
 use half::f16;
 
 use super::{GpuError, GpuLight, GpuSpeciesId, Term};

@@ -4,12 +4,14 @@
 //! Library -load-> GpuSpecies -terms(sun, sky)-> Term -> GpuLight::set_terms
 //! ```
 
-use flb_format::{FormatError, SunBasis};
+use flb_format::FormatError;
+use flb_format::light::SunBasis;
 
 use super::{GpuError, GpuLight, GpuSpeciesId, SkyOnGpu, Term};
 use crate::entry::known_species;
 use crate::extinction::Extinction;
-use crate::{Library, RuntimeError, SunTerms};
+use crate::sun_terms::SunTerms;
+use crate::{Library, RuntimeError};
 
 /// All light of a species that was sent to a [`GpuLight`].
 pub struct GpuSpecies {

@@ -16,7 +16,8 @@ const SLOTS_PER_CORE: usize = 4;
 ///
 /// ```
 /// # fn main() -> Result<(), flb_runtime::RuntimeError> {
-/// # use flb_runtime::{Daylight, Library, LightCursors, SpeciesLight, Transform};
+/// # use flb_runtime::{Daylight, Library, SpeciesLight, Transform};
+/// # use flb_runtime::light::LightCursors;
 /// # let library = Library::open("golden/shrub.flb")?;
 /// # let shrub = SpeciesLight::load(&library, 0)?;
 /// # let noon = Daylight { towards_sun: [0.0, 1.0, 0.0], sun: 1.0, sky: 0.36 };

@@ -8,7 +8,9 @@ use flb_format::sun;
 
 use crate::entry::{known_species, no_base};
 use crate::resident::ResidentSpecies;
-use crate::{Library, RuntimeError, SunTerms, bases_needed};
+use crate::sampler::bases_needed;
+use crate::sun_terms::SunTerms;
+use crate::{Library, RuntimeError};
 
 /// What was read.
 pub(super) struct FileLight {

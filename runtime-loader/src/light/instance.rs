@@ -6,11 +6,12 @@ use flb_format::beam::{BEAM_RAYS, MAX_MEANS, Near};
 
 use super::Daylight;
 use super::sky::SkyLight;
-use crate::near_beam::MediumSites;
+use crate::RuntimeError;
+use crate::near_beam::{MediumSites, PreparedSun, RayOffsets, seed_of};
 use crate::resident::{LightLevel, ResidentSpecies, Terms};
 use crate::scene_light::export::luminance;
 use crate::scene_light::{Modulations, SceneLightAtSun};
-use crate::{PreparedSun, RayOffsets, RuntimeError, SunTerms, seed_of};
+use crate::sun_terms::SunTerms;
 
 /// The light of one plant, to be asked at any number of points from any number of threads. It stays as it is while the
 /// sun, the sky and the plant do; a new sun takes a new one ([`super::SpeciesLight::lit_by`]).
@@ -192,7 +193,7 @@ impl<'a> InstanceLight<'a> {
     }
 
     /// Light per band at a point of the model at rest, metres: of the model `physical` fluence, without the sun's beam
-    /// unless the fields hold it ([`flb_format::FieldKind`]). A point outside the lattice takes the light of the
+    /// unless the fields hold it ([`flb_format::light::FieldKind`]). A point outside the lattice takes the light of the
     /// nearest point of it; a coordinate that is NaN counts as the lower end.
     ///
     /// # Panics

@@ -22,13 +22,14 @@ use std::thread::{available_parallelism, scope};
 
 use flb_format::beam::{Beam, MAX_MEANS, Near, means};
 use flb_format::blocks::{CodedBase, Cursor};
-use flb_format::{SkyPart, SunBasis};
+use flb_format::light::SunBasis;
+use flb_format::sky_part::SkyPart;
 
 use super::SpeciesLight;
+use crate::RuntimeError;
 use crate::near_beam::{MediumSites, everywhere};
 use crate::resident::ResidentSpecies;
-use crate::sun_terms::{near_bases, unit};
-use crate::{RuntimeError, SunTerms};
+use crate::sun_terms::{SunTerms, near_bases, unit};
 pub use beams::SkyBeams;
 use beams::SkyFactors;
 #[cfg(feature = "gpu")]

@@ -3,21 +3,23 @@
 use std::sync::Arc;
 
 use flb_format::beam::BEAM_RAYS;
+use flb_format::light::SunBasis;
 use flb_format::meta::LeftOut;
 use flb_format::sun::{self, directions::SunDirections, towards_sun};
-use flb_format::{Codec, Placement, SunBasis, Transform};
-use flb_packer::{EncodeSettings, SpeciesFields, encode_species, write_library_to};
+use flb_format::{Codec, Placement, SpeciesFields, Transform};
+use flb_packer::{EncodeSettings, encode_species, write_library_to};
 
 use super::*;
+use crate::near_beam::{Marcher, RayOffsets, seed_of};
+use crate::physical::PhysicalSampler;
+use crate::plants;
 use crate::plants::{BANDS, noise, plant};
 use crate::residency::{ResidencySettings, UnitId};
 use crate::resident::{LightLevel, Resident};
+use crate::sampler::{SpeciesSampler, bases_needed};
 use crate::scene_light::tests::{alone, coarse, scene};
-use crate::scene_light::{PreparedSceneLight, SceneLightAtSun};
+use crate::scene_light::{PreparedSceneLight, SceneLight, SceneLightAtSun};
 use crate::stream::Stage;
-use crate::{
-    Marcher, PhysicalSampler, RayOffsets, SceneLight, SpeciesSampler, bases_needed, plants, seed_of,
-};
 
 mod cursors;
 mod errors;

@@ -1,7 +1,7 @@
 //! The sun's beam at a point by the dense extinction, in binary64: for points that lie near no site, and what the
 //! faster ways of [`Extinction`](crate::extinction::Extinction) are held against.
 
-use flb_format::TurbidMedium;
+use flb_format::matter::TurbidMedium;
 
 /// Share of the sun's light that comes to a point, in lattice coordinates, unscattered.
 pub(crate) fn transmittance(turbid: &TurbidMedium, point: [f64; 3], towards_sun: [f64; 3]) -> f32 {

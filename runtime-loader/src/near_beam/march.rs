@@ -10,8 +10,8 @@
 use std::borrow::Cow;
 use std::f32::consts::PI;
 
-use flb_format::TurbidMedium;
 use flb_format::beam::{MAX_MEANS, means, reaches};
+use flb_format::matter::TurbidMedium;
 use flb_format::sample::corners;
 
 use crate::extinction::{Extinction, Ray, Travel};
@@ -259,7 +259,8 @@ pub fn seed_of(point_model_m: [f32; 3]) -> u32 {
     point_model_m.iter().fold(0, |seed, coordinate| mixed(seed ^ coordinate.to_bits()))
 }
 
-/// A bijective 32-bit mix (two rounds of xorshift-multiply), that of `flb_render::hash` and of its twin in WGSL.
+/// A bijective 32-bit mix (two rounds of xorshift-multiply), that of `flb_scene::sampling::hash` and of its twin in
+/// WGSL.
 fn mixed(value: u32) -> u32 {
     let mut v = value.wrapping_add(0x9e37_79b9);
     v = (v ^ (v >> 16)).wrapping_mul(0x21f0_aaad);

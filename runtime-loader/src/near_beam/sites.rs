@@ -1,12 +1,15 @@
 //! The sites of a medium that hold matter, for near beams that are found for all of them at once.
 
 use flb_format::beam::{MAX_MEANS, Near};
+use flb_format::error::Place;
+use flb_format::light::SunBasis;
+use flb_format::matter::TurbidMedium;
 use flb_format::sample::{corners, locate};
-use flb_format::{FormatError, Place, SunBasis, TurbidMedium, room};
+use flb_format::{FormatError, room};
 
 use super::{PreparedSun, dense, everywhere};
-use crate::SunTerms;
 use crate::extinction::Extinction;
+use crate::sun_terms::SunTerms;
 
 /// No matter in a site.
 const EMPTY: u32 = u32::MAX;

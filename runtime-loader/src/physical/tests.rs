@@ -1,16 +1,15 @@
 use flb_format::beam::means;
-use flb_format::container::records::Codec;
+use flb_format::matter::{BandSurfaces, LeafAngles, LeafSurface, Surfaces, WoodSurface};
 use flb_format::meta::{Bounds, LeftOut, TriangleCounts};
+use flb_format::model::Model;
 use flb_format::sun::{self, directions::SunDirections, harmonics};
-use flb_format::{
-    BandSurfaces, Field, LeafAngles, LeafSurface, Medium, Model, SpeciesMeta, Surfaces, WoodSurface,
-};
-use flb_packer::{EncodeSettings, SpeciesFields, encode_species, write_library_to};
+use flb_format::{Codec, Field, Medium, SpeciesFields, SpeciesMeta};
+use flb_packer::{EncodeSettings, encode_species, write_library_to};
 use flb_testkit::model::scattered;
 
 use super::*;
-use crate::SpeciesSampler;
 use crate::near_beam::dense;
+use crate::sampler::SpeciesSampler;
 
 const N: u32 = 16;
 const BANDS: usize = 2;

@@ -2,7 +2,7 @@
 
 use std::borrow::Cow;
 
-use flb_format::container::Container;
+use flb_format::Container;
 
 use super::{Need, Residency, SpeciesNeed, UnitId, UnitKind, Units};
 

@@ -9,9 +9,9 @@
 use std::sync::Arc;
 
 use flb_format::beam::means;
-use flb_format::container::Container;
+use flb_format::light::SunBasis;
 use flb_format::sun::harmonics;
-use flb_format::{Placement, SunBasis};
+use flb_format::{Container, Placement};
 
 use super::Units;
 use crate::Daylight;

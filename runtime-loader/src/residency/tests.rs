@@ -1,14 +1,14 @@
 use std::sync::LazyLock;
 
-use flb_format::{Codec, Placement, SunBasis, Transform};
+use flb_format::light::SunBasis;
+use flb_format::{Codec, Placement, Transform};
 use proptest::prelude::*;
 
 use super::*;
-use crate::Daylight;
 use crate::extinction::Extinction;
 use crate::plants::{library, library_of_three, plant};
 use crate::view::Camera;
-use crate::{Library, RuntimeError};
+use crate::{Daylight, Library, RuntimeError};
 
 mod finding;
 

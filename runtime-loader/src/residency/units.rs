@@ -8,8 +8,8 @@
 use std::ops::Range;
 
 use flb_format::blocks::{BlockMap, EDGE};
-use flb_format::container::records::Codec;
-use flb_format::container::{Container, Species};
+use flb_format::container::Species;
+use flb_format::{Codec, Container};
 
 use crate::RuntimeError;
 use crate::extinction::{BLOCK_BYTES, DEPTHS_BYTES};

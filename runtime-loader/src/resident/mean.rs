@@ -1,7 +1,8 @@
 //! The mean light of a plant, which stands in for what is not loaded: a file says it before its first page
 //! (SPEC.md, section 9.4).
 
-use flb_format::{MeanLight, SpeciesMeta};
+use flb_format::SpeciesMeta;
+use flb_format::mean_light::MeanLight;
 
 use super::{Terms, UNKNOWN_SHARE};
 

@@ -3,8 +3,7 @@
 use std::ops::Range;
 
 use super::{LightLevel, ResidentSpecies};
-use crate::SunTerms;
-use crate::sun_terms::MAX_BASES;
+use crate::sun_terms::{MAX_BASES, SunTerms};
 
 /// Bands whose mean light [`Terms::constant`] holds.
 const CONSTANT_BANDS: usize = 3;

@@ -4,10 +4,12 @@ use flb_format::Codec;
 use proptest::prelude::*;
 
 use super::*;
+use crate::physical::PhysicalSampler;
 use crate::plants::{BANDS, library_of_three, noise};
 use crate::residency::ResidencySettings;
+use crate::sampler::SpeciesSampler;
 use crate::stream::{Frame, Stage};
-use crate::{Daylight, Library, PhysicalSampler, SpeciesLight, SpeciesSampler};
+use crate::{Daylight, Library, SpeciesLight};
 
 static LIBRARY: LazyLock<Arc<Library>> = LazyLock::new(|| library_of_three(Codec::Classed));
 
@@ -210,7 +212,7 @@ fn averages_of_the_sky_are_brought_to_its_mean_and_detail_is_left_as_it_is() {
     let of_sky = |keep: fn(&UnitKind) -> bool, averages: [f64; BANDS]| {
         let mut resident = resident(keep);
         let mut meta = LIBRARY.container().species()[1].meta.clone();
-        meta.mean_light = Some(flb_format::MeanLight { sky: vec![1.0; BANDS], sun: Vec::new() });
+        meta.mean_light = Some(flb_format::mean_light::MeanLight { sky: vec![1.0; BANDS], sun: Vec::new() });
         meta.sky_averages = Some(averages.to_vec());
         resident.species[1].mean = Mean::of(&meta);
         let terms = resident.species(1).terms([0.0, 1.0, 0.0], 0.0, 0.8);
@@ -400,13 +402,13 @@ fn kept_light_is_that_of_now_or_is_refused() {
     let (units, stage) = (units(), stage());
     let mut resident = Resident::new(LIBRARY.container(), &units).blending_over(3);
     let daylight = Daylight { towards_sun: [0.6, 0.0, 0.8], sun: 1.0, sky: 0.5 };
-    let light = |resident: &Resident| -> Vec<crate::KeptLight> {
+    let light = |resident: &Resident| -> Vec<crate::light::KeptLight> {
         let species = |species| SpeciesLight::streamed(resident.species(species));
         let lit = |light: &SpeciesLight| light.lit_by_in_model(&daylight).expect("a direction").keep();
         (0..3).map(|index| lit(&species(index))).collect()
     };
     let (mut again, mut anew) = (0, 0);
-    let mut check = |resident: &Resident, kept: &[crate::KeptLight]| {
+    let mut check = |resident: &Resident, kept: &[crate::light::KeptLight]| {
         for (index, kept) in kept.iter().enumerate() {
             let now = SpeciesLight::streamed(resident.species(index));
             let fresh = now.lit_by_in_model(&daylight).expect("a direction");

@@ -1,11 +1,12 @@
 use std::sync::LazyLock;
 
-use flb_format::container::records::Codec;
+use flb_format::matter::{BandOptics, ClassOptics, Optics};
 use flb_format::meta::{Bounds, LeftOut, TriangleCounts};
+use flb_format::model::Model;
 use flb_format::sample::trilinear;
 use flb_format::sun::{blend, towards_sun};
-use flb_format::{BandOptics, ClassOptics, Field, Medium, Model, Optics, SpeciesMeta};
-use flb_packer::{EncodeSettings, SpeciesFields, encode_species, write_library_to};
+use flb_format::{Codec, Field, Medium, SpeciesFields, SpeciesMeta};
+use flb_packer::{EncodeSettings, encode_species, write_library_to};
 use proptest::prelude::*;
 
 use super::*;

@@ -1,9 +1,10 @@
 //! What a library must hold to be scene light, and the rules by which two lights become one. Laws of the light itself
 //! are tested with all rooms together (`tests/tests/it/scene_light.rs`).
 
+use flb_format::light::SunBasis;
+use flb_format::model::Model;
 use flb_format::scene_light::{LUMINANCE, Role};
-use flb_format::{Codec, Field, Model, Placement, SunBasis, Transform};
-use flb_packer::SpeciesFields;
+use flb_format::{Codec, Field, Placement, SpeciesFields, Transform};
 
 use super::*;
 use crate::plants;

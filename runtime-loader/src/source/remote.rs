@@ -25,7 +25,8 @@ use std::time::Duration;
 use flb_format::Source;
 
 use super::replaced::Replaced;
-use crate::{RuntimeError, Traffic};
+use crate::RuntimeError;
+use crate::source::Traffic;
 
 mod address;
 mod ahead;

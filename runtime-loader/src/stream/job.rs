@@ -4,9 +4,8 @@ use std::io;
 use std::sync::Arc;
 
 use flb_format::blocks::{CodedBase, Shared};
-use flb_format::container::Container;
 use flb_format::error::Place;
-use flb_format::{FormatError, Source};
+use flb_format::{Container, FormatError, Source};
 
 use crate::Library;
 use crate::extinction::Extinction;

@@ -1,8 +1,10 @@
 //! Libraries of species without leaves: as many bytes as a test needs.
 
+use flb_format::matter::{BandOptics, ClassOptics, Optics};
 use flb_format::meta::{Bounds, TriangleCounts};
-use flb_format::{BandOptics, ClassOptics, Codec, Field, Grid, Medium, Model, Optics, SpeciesMeta};
-use flb_packer::{EncodeSettings, SpeciesFields, encode_species, write_library_to};
+use flb_format::model::Model;
+use flb_format::{Codec, Field, Grid, Medium, SpeciesFields, SpeciesMeta};
+use flb_packer::{EncodeSettings, encode_species, write_library_to};
 
 /// Bases of every species.
 pub(crate) const BASES: [u8; 3] = [0, 4, 7];

@@ -7,7 +7,8 @@ use std::sync::Arc;
 use std::time::{Duration, Instant};
 
 use flb_format::Source;
-use flb_runtime::{Location, RemoteSettings, RemoteSource, RemoteUrl};
+use flb_runtime::Location;
+use flb_runtime::source::{RemoteSettings, RemoteSource, RemoteUrl};
 use flb_testkit::server::{Reply, Request, Served, Server};
 
 const PUBLIC: &str = "127.0.0.1";

@@ -5,9 +5,8 @@ use std::sync::{Arc, Mutex};
 use std::time::Duration;
 
 use flb_format::Source;
-use flb_runtime::{
-    Library, Location, RemoteSettings, RemoteSource, RemoteUrl, RuntimeError, is_replaced, retry_replaced,
-};
+use flb_runtime::source::{RemoteSettings, RemoteSource, RemoteUrl, is_replaced, retry_replaced};
+use flb_runtime::{Library, Location, RuntimeError};
 use flb_testkit::server::{Reply, Request, Served, Server};
 
 use crate::forest::{BASES, field, forest};

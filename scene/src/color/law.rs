@@ -1,7 +1,7 @@
 //! From the colour of a texel to what the surface there reflects and lets through: the one rule of the bake and of
 //! every renderer (lighting model, section 10).
 
-use flb_format::{MaterialSurface, Texel};
+use flb_format::material_surface::{MaterialSurface, Texel};
 use glam::Vec3;
 
 use crate::MaterialClass;

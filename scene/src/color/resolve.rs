@@ -1,7 +1,8 @@
 //! From a plant's mesh, its measured surfaces and what is said of its colours to the surface of each material.
 
 use flb_format::colors::color_bands;
-use flb_format::{BandSurfaces, LeafSurface, MaterialSurface, Surfaces, Texel, WoodSurface};
+use flb_format::material_surface::{MaterialSurface, Texel};
+use flb_format::matter::{BandSurfaces, LeafSurface, Surfaces, WoodSurface};
 use glam::DVec3;
 
 use super::evidence::Evidence;

@@ -1,6 +1,6 @@
 //! Who says what texels mean: the command line, then the species file, by pattern of the material's name.
 
-use flb_format::Surfaces;
+use flb_format::matter::Surfaces;
 use globset::{GlobBuilder, GlobMatcher};
 
 use crate::import::ImportError;

@@ -1,4 +1,5 @@
-use flb_format::{BandSurfaces, MaterialSurface, Surfaces, Texel};
+use flb_format::material_surface::{MaterialSurface, Texel};
+use flb_format::matter::{BandSurfaces, Surfaces};
 use glam::{DVec3, Vec3};
 
 use super::*;

@@ -11,7 +11,7 @@ use crate::import::area;
 use crate::mesh::Material;
 use crate::rays::{Ray, RayMesh};
 use crate::sampling::{cosine_hemisphere, r2_sequence};
-use crate::surface_points;
+use crate::surface_points::surface_points;
 use crate::{ClassedMesh, MaterialClass, Mesh};
 
 /// Wood can enclose leaves if its area is more than this share of the surface of the plant's box: that of most trees

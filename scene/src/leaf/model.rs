@@ -1,7 +1,7 @@
 //! A PROSPECT leaf: from what a leaf is made of to what it does with light (Jacquemoud and Baret, 1990; constituents as
 //! in PROSPECT-D, Féret, Gitelson, Noble and Jacquemoud, 2017, without brown pigments).
 
-use flb_format::{BandSurfaces, LeafSurface, Surfaces, WoodSurface};
+use flb_format::matter::{BandSurfaces, LeafSurface, Surfaces, WoodSurface};
 
 use super::bands::{Bands, mean};
 use super::bark::bark_reflectance;

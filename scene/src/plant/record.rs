@@ -3,7 +3,8 @@
 use flb_format::SpeciesMeta;
 use flb_format::provenance::{CLASSES, GLTF_MESH, NODES, OFFSET_M, SPLIT, UNIT_M, UP};
 
-use crate::{ImportSettings, MaterialClass, Mesh, Up};
+use crate::import::Up;
+use crate::{ImportSettings, MaterialClass, Mesh};
 
 /// Record of how a mesh was read.
 #[derive(Debug, Clone, PartialEq)]

@@ -1,10 +1,11 @@
 use std::path::Path;
 
 use flb_format::meta::Bounds;
-use flb_format::{Grid, Model, SpeciesMeta};
+use flb_format::model::Model;
+use flb_format::{Grid, SpeciesMeta};
 
 use super::*;
-use crate::Up;
+use crate::import::Up;
 use crate::mesh::testing::soup;
 
 const TRIANGLE: [[f32; 3]; 3] = [[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]];

@@ -5,7 +5,7 @@
 
 use std::f64::consts::PI;
 
-use flb_format::SkyPart;
+use flb_format::sky_part::SkyPart;
 use glam::DVec3;
 
 use super::{Sky, luminance};

@@ -1,6 +1,6 @@
 //! The surfaces of a species file: given per band, or computed from what the leaf is made of.
 
-use flb_format::{BandSurfaces, LeafSurface, Surfaces, WoodSurface};
+use flb_format::matter::{BandSurfaces, LeafSurface, Surfaces, WoodSurface};
 use serde::Deserialize;
 
 use super::{MAX_PATTERN_BYTES, MAX_PATTERNS, Malformed, validate_names};

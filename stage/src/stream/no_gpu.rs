@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use flb_render::forest::View;
 use flb_render::{Lighting, Look, Picture};
-use flb_runtime::SkyBeams;
+use flb_runtime::light::SkyBeams;
 use flb_runtime::residency::Units;
 use flb_runtime::resident::Resident;
 use flb_runtime::scene_light::SceneLightAtSun;

@@ -2,12 +2,12 @@
 
 use std::sync::Arc;
 
-use flb_format::SunBasis;
+use flb_format::light::SunBasis;
 use flb_gpu::Gpu;
 use flb_render::forest::{Forest, View};
 use flb_render::{Lighting, Look, Picture};
 use flb_render_gpu::{ForestSettings, GpuForest, StreamedLights};
-use flb_runtime::SkyBeams;
+use flb_runtime::light::SkyBeams;
 use flb_runtime::residency::Units;
 use flb_runtime::resident::Resident;
 use flb_runtime::scene_light::SceneLightAtSun;

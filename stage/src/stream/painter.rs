@@ -3,27 +3,28 @@
 use std::sync::Arc;
 use std::time::{Duration, Instant};
 
+use flb_format::Daylight;
 use flb_format::Placement;
 #[cfg(feature = "gpu")]
-use flb_format::SunBasis;
+use flb_format::light::SunBasis;
 use flb_format::sun::towards_sun;
 #[cfg(feature = "gpu")]
 use flb_gpu::Gpu;
 use flb_render::forest::{Eye, Forest, Fragments, Search, View};
-use flb_render::{Daylight, Indirect, LightFn, LightQuery, Lighting, Look, Picture};
+use flb_render::{Indirect, LightFn, LightQuery, Lighting, Look, Picture};
+use flb_runtime::light::{LightCursors, SkyBeams};
 use flb_runtime::residency::{NeedFinder, Placed, ResidencySettings};
 use flb_runtime::resident::ResidentSpecies;
 use flb_runtime::stream::{StreamSettings, Streamer};
 use flb_runtime::view::Camera;
-use flb_runtime::{InstanceLight, Library, LightCursors, SkyBeams, SpeciesLight};
+use flb_runtime::{InstanceLight, Library, SpeciesLight};
 
 use super::on_gpu::{self, OnGpu};
 use super::{Shot, Show, marks};
-use crate::light;
 use crate::look::SKY_RAYS;
 use crate::neighbours::Neighbours;
 use crate::renderer::Kept;
-use crate::{SceneLook, Stage, StageError};
+use crate::{SceneLook, Stage, StageError, light};
 
 /// Bytes that the light of a whole file may take, where it is asked for to compare with.
 const WHOLE_BYTES: u64 = 4 << 30;
@@ -109,7 +110,7 @@ impl<'s> Painter<'s> {
     /// library that cannot be streamed.
     pub fn new(stage: &'s Stage, look: SceneLook, budget_bytes: u64) -> Result<Painter<'s>, StageError> {
         let mut libraries: Vec<Arc<Library>> = Vec::new();
-        let mut place = |light: &crate::PlantLight| {
+        let mut place = |light: &crate::plant::PlantLight| {
             let known = libraries.iter().position(|library| Arc::ptr_eq(library, &light.library));
             let at = known.unwrap_or_else(|| {
                 libraries.push(Arc::clone(&light.library));
@@ -162,7 +163,7 @@ impl<'s> Painter<'s> {
         let units = streamed.streamer.residency().units();
         let suns: Vec<&SunBasis> = match self.look.sky.is_even() {
             true => Vec::new(),
-            false => self.stage.plants.iter().filter_map(crate::ScenePlant::suns).collect(),
+            false => self.stage.plants.iter().filter_map(crate::plant::ScenePlant::suns).collect(),
         };
         self.on_gpu = Some(OnGpu::new(gpu, &self.forest, units, (species, &suns), self.budget_bytes)?);
         self.needs_gpu = is_needed;

@@ -1,6 +1,6 @@
 //! What a painter is asked for.
 
-use flb_format::Eye;
+use flb_format::eye::Eye;
 
 /// Content of a picture: light or false colours.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]

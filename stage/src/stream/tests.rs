@@ -2,7 +2,7 @@
 
 use std::time::Duration;
 
-use flb_format::SunBasis;
+use flb_format::light::SunBasis;
 use flb_gpu::Gpu;
 use flb_runtime::scene_light::SceneLight;
 use flb_testkit::scenes;

@@ -1,7 +1,9 @@
 //! What others take for the same fields.
 
-use flb_format::payload::BlockPage;
-use flb_format::{Codec, Field, block, payload, sample, site_of};
+use flb_format::container::payload;
+use flb_format::container::payload::BlockPage;
+use flb_format::sample::site_of;
+use flb_format::{Codec, Field, block, sample};
 use flb_packer::{EncodeSettings, encode_species, write_library};
 use rayon::prelude::*;
 

@@ -4,9 +4,10 @@ use std::path::Path;
 
 use flb_baker::{VoxelSettings, downsample, voxelise};
 use flb_fixtures::{PlantKind, grow};
-use flb_format::{Class, Container, Field, Optics};
-use flb_packer::SpeciesFields;
-use flb_scene::{ClassRules, MaterialClass, classify};
+use flb_format::matter::{Class, Optics};
+use flb_format::{Container, Field, SpeciesFields};
+use flb_scene::classify::classify;
+use flb_scene::{ClassRules, MaterialClass};
 use flb_tests::pipeline::{SEED, import_glb, species_meta};
 use flb_transport::lattice::{SolveSettings, solve};
 

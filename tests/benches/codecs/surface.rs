@@ -4,10 +4,9 @@ use std::sync::Arc;
 
 use flb_format::Field;
 use flb_format::blocks::{BlockMap, Classes, CodedBase, Coding, Shared};
-use flb_format::sample::trilinear;
-use flb_format::site_of;
+use flb_format::sample::{site_of, trilinear};
 use flb_packer::rate::{BasePayloads, SpeciesPayloads};
-use flb_packer::{POINTS_PER_SITE, surface_point};
+use flb_packer::surface::{POINTS_PER_SITE, surface_point};
 use rayon::prelude::*;
 
 use crate::plant::Plant;

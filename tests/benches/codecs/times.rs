@@ -4,8 +4,7 @@ use std::hint::black_box;
 use std::time::Instant;
 
 use flb_format::blocks::Cursor;
-use flb_format::sample::trilinear;
-use flb_format::site_of;
+use flb_format::sample::{site_of, trilinear};
 use flb_packer::rate::SpeciesPayloads;
 
 use crate::overlapped::place;

@@ -5,12 +5,13 @@
 use std::sync::LazyLock;
 
 use flb_fixtures::{PlantKind, autumn, grow};
-use flb_format::Texel;
+use flb_format::material_surface::Texel;
 use flb_format::sun::towards_sun;
 use flb_scene::color::{Law, mean_colors};
 use flb_scene::rays::{RayMesh, uv};
+use flb_scene::surface_points::surface_points;
 use flb_scene::texture::{SrgbTable, color};
-use flb_scene::{ClassedMesh, MaterialClass, PlantReader, surface_points};
+use flb_scene::{ClassedMesh, MaterialClass, PlantReader};
 use flb_tests::default_bake::DefaultBake;
 use flb_tests::pipeline::{SEED, import_glb};
 use flb_tests::portrait::light_of;

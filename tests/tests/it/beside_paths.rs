@@ -1,9 +1,8 @@
 //! A default bake's picture beside the path traced one of the same view, and both as a golden.
 
-use flb_render::{
-    LightQuery, Lighting, Look, Picture, Portrait, Shading, Species, contact_sheet, render_plant,
-    render_reference,
-};
+use flb_render::picture::contact_sheet;
+use flb_render::reference::render_reference;
+use flb_render::{LightQuery, Lighting, Look, Picture, Portrait, Shading, Species, render_plant};
 use flb_runtime::{Daylight, SpeciesLight, Transform};
 use flb_scene::ClassedMesh;
 use flb_tests::default_bake::DefaultBake;

@@ -8,21 +8,23 @@ use std::sync::{Arc, LazyLock};
 use flb_baker::plan::{Plan, plan};
 use flb_fixtures::PlantKind;
 use flb_format::beam::BEAM_RAYS;
+use flb_format::light::SunBasis;
+use flb_format::matter::BandSurfaces;
 use flb_format::sun::towards_sun;
-use flb_format::{BandSurfaces, Placement, SunBasis, Transform};
+use flb_format::{Placement, Transform};
 use flb_render::forest::{self, Eye, Forest, Search, View, Water};
-use flb_render::{
-    LightQuery, Lighting, Look, Portrait, Shading, Species, Surfaces, render_plant, render_reference,
-};
+use flb_render::reference::render_reference;
+use flb_render::{LightQuery, Lighting, Look, Portrait, Shading, Species, Surfaces, render_plant};
 use flb_runtime::residency::{NeedFinder, Placed, Residency, ResidencySettings, UnitId, Units};
 use flb_runtime::resident::LightLevel;
+use flb_runtime::samplers::PhysicalSampler;
 use flb_runtime::scene_light::SceneLight;
 use flb_runtime::view::Camera;
-use flb_runtime::{Daylight, PhysicalSampler, SpeciesLight};
+use flb_runtime::{Daylight, SpeciesLight};
 use flb_scene::leaf::{Bands, LeafModel, knapp_carter};
 use flb_scene::scene::Scene;
 use flb_scene::scene::scatter::{Amount, Plot, scatter};
-use flb_scene::surface_points;
+use flb_scene::surface_points::surface_points;
 use flb_tests::budget::streamed;
 use flb_tests::default_bake::DefaultBake;
 use flb_tests::describe;
@@ -40,7 +42,7 @@ fn of_all(describe: impl Fn(&DefaultBake) -> String) -> String {
 #[test]
 fn surfaces_are_golden() {
     let all = [("common leaves", knapp_carter()), ("leaf model", LeafModel::default().surfaces(&Bands::Rgb))];
-    let text = |(name, surfaces): (&str, flb_format::Surfaces)| {
+    let text = |(name, surfaces): (&str, flb_format::matter::Surfaces)| {
         let band = |band: &BandSurfaces| {
             let (leaf, wood) = (band.leaf, band.wood.reflectance);
             format!("  {}: leaf {:?} {:?}, wood {wood:?}\n", band.name, leaf.reflectance, leaf.transmittance)

@@ -187,7 +187,7 @@ fn modules(source: &Path) -> BTreeMap<Vec<String>, String> {
 }
 
 /// The paths of a `use`, its braces taken apart.
-fn paths(tree: &str) -> Vec<String> {
+pub(crate) fn paths(tree: &str) -> Vec<String> {
     let tree = tree.trim();
     let Some((before, inside)) = tree.strip_suffix('}').and_then(|tree| tree.split_once('{')) else {
         return vec![tree.split(" as ").next().unwrap_or_default().trim().to_owned()];

@@ -4,7 +4,8 @@ use std::sync::LazyLock;
 
 use flb_fixtures::PlantKind;
 use flb_format::direction::DIRECTIONS;
-use flb_format::{Class, Field, Medium};
+use flb_format::matter::Class;
+use flb_format::{Field, Medium};
 use flb_tests::pipeline::Baked;
 
 use crate::plants::baked;

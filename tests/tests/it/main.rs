@@ -6,6 +6,7 @@ mod comments;
 mod default_bake;
 mod determinism;
 mod documents;
+mod faces;
 mod goldens;
 mod imports;
 mod included;

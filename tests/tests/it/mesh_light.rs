@@ -4,7 +4,8 @@
 use flb_baker::bake::{BakeSettings, ModelSettings, PhysicalSettings};
 use flb_eval::figures::{ClassJudgement, Figures};
 use flb_fixtures::PlantKind;
-use flb_format::{LeafSurface, SunBasis, WoodSurface};
+use flb_format::light::SunBasis;
+use flb_format::matter::{LeafSurface, WoodSurface};
 use flb_runtime::{Daylight, SpeciesLight};
 use flb_scene::{MaterialClass, Mesh, Plant};
 use flb_testkit::solids;

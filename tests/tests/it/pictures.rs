@@ -6,7 +6,8 @@ use std::path::PathBuf;
 use std::sync::LazyLock;
 
 use flb_fixtures::PlantKind;
-use flb_render::{Indirect, Picture, contact_sheet};
+use flb_render::picture::contact_sheet;
+use flb_render::{Indirect, Picture};
 use flb_tests::describe::digest_of_floats;
 use flb_tests::pipeline::Baked;
 use flb_tests::portrait::{AMBIENT, Scene, distance, halves, luminance, portrait};

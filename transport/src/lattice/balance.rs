@@ -1,7 +1,8 @@
 //! Energy over the links between sites: what enters a medium must be absorbed or leave it.
 
+use flb_format::Medium;
 use flb_format::direction::MOVING;
-use flb_format::{Medium, Optics};
+use flb_format::matter::Optics;
 
 use super::groups::Target;
 use super::kernel::{LANES, Lanes};

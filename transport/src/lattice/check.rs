@@ -1,6 +1,8 @@
 //! Refuses what cannot be solved, before any work. What passes here needs no further checks.
 
-use flb_format::{Class, Medium, Optics, site_of};
+use flb_format::Medium;
+use flb_format::matter::{Class, Optics};
+use flb_format::sample::site_of;
 
 use super::{SolveError, SolveSettings};
 

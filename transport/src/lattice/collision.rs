@@ -4,7 +4,7 @@
 //! project lighting model's, section 3. Column j of Omega says where the light that travels along c_j goes.
 
 use flb_format::direction::{DIRECTIONS, WEIGHTS};
-use flb_format::{BandOptics, ClassOptics};
+use flb_format::matter::{BandOptics, ClassOptics};
 
 /// `[i][j]`, rows receive, columns give; index 0 is rest.
 pub type Matrix = [[f64; 19]; 19];

@@ -1,6 +1,7 @@
 //! What a solve refuses, and why.
 
-use flb_format::{Cancelled, Class};
+use flb_format::matter::Class;
+use flb_format::progress::Cancelled;
 use thiserror::Error;
 
 /// Input that cannot be solved.

@@ -8,7 +8,9 @@ mod light;
 mod matter;
 
 use flb_format::direction::MOVING;
-use flb_format::{Cancelled, Field, Medium, Optics, Progress};
+use flb_format::matter::Optics;
+use flb_format::progress::{Cancelled, Progress};
+use flb_format::{Field, Medium};
 
 use super::collision;
 use super::course::{CROSSINGS, Course, TREND_SPAN};

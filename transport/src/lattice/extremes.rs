@@ -6,7 +6,8 @@ mod cases;
 mod shapes;
 pub mod table;
 
-use flb_format::{Medium, Optics};
+use flb_format::Medium;
+use flb_format::matter::Optics;
 
 pub use cases::cases;
 

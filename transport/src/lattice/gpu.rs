@@ -18,7 +18,9 @@ mod tests;
 #[cfg(test)]
 mod twin;
 
-use flb_format::{Field, Medium, Optics, Progress};
+use flb_format::matter::Optics;
+use flb_format::progress::Progress;
+use flb_format::{Field, Medium};
 use rayon::prelude::*;
 
 use super::dense::{self, Output};

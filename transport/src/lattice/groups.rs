@@ -7,7 +7,7 @@
 use std::cmp::Ordering;
 use std::collections::BTreeMap;
 
-use flb_format::Optics;
+use flb_format::matter::Optics;
 
 use super::kernel::LANES;
 
@@ -63,7 +63,7 @@ pub(super) fn form<'a>(targets: Vec<Target<'a>>, optics: &Optics) -> Vec<SolveGr
 
 #[cfg(test)]
 mod tests {
-    use flb_format::{BandOptics, ClassOptics};
+    use flb_format::matter::{BandOptics, ClassOptics};
 
     use super::*;
 

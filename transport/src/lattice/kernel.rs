@@ -175,7 +175,7 @@ impl Gain {
 
 #[cfg(test)]
 mod tests {
-    use flb_format::{ClassOptics, Optics};
+    use flb_format::matter::{ClassOptics, Optics};
 
     use super::*;
     use crate::lattice::collision;

@@ -4,7 +4,9 @@
 //! Steele 2009, eq. 2.12 and listing 5.1, without its clamp (lighting model, section 4).
 
 use flb_format::direction::DIRECTIONS;
-use flb_format::{Cancelled, Class, Field, Medium, Optics, Progress};
+use flb_format::matter::{Class, Optics};
+use flb_format::progress::{Cancelled, Progress};
+use flb_format::{Field, Medium};
 use rayon::prelude::*;
 
 use super::collision::{self, Matrix};
@@ -142,7 +144,7 @@ struct Update {
     dumps_rest: bool,
 }
 
-fn update(optics: flb_format::ClassOptics, class: Class, settled: bool) -> Update {
+fn update(optics: flb_format::matter::ClassOptics, class: Class, settled: bool) -> Update {
     let mut omega = collision::omega(optics);
     let dumps_rest = settled || class == Class::Leaf;
     if settled && class == Class::Wood {

@@ -1,6 +1,7 @@
 //! Media made by code: for the extremes, tests and benches of the solvers.
 
-use flb_format::{Class, Grid, Medium};
+use flb_format::matter::Class;
+use flb_format::{Grid, Medium};
 
 /// An empty medium.
 pub fn empty(lattice: u32) -> Medium {

@@ -5,8 +5,9 @@
 //! solver; the [`literal`](super::literal) iteration, which shares nothing, is its oracle on lattices where that one
 //! can be run to its end.
 
+use flb_format::Medium;
 use flb_format::direction::MOVING;
-use flb_format::{Medium, Optics};
+use flb_format::matter::Optics;
 use rayon::prelude::*;
 
 use super::collision::{self, Matrix};

@@ -7,8 +7,9 @@
 //! space: each domain owns its light and sees the others' through copies made between sweeps. The cut
 //! depends on the site count alone, so results do not depend on the number of threads.
 
+use flb_format::Medium;
 use flb_format::direction::{DIRECTIONS, MOVING};
-use flb_format::{Class, Medium};
+use flb_format::matter::Class;
 use rayon::prelude::*;
 
 /// Sites per domain at most. Light crosses from one domain to the next only between sweeps, and echoes between wood

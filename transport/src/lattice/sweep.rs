@@ -8,7 +8,9 @@
 use std::sync::Mutex;
 
 use flb_format::direction::{MOVING, opposite};
-use flb_format::{Cancelled, Field, Medium, Optics, Progress};
+use flb_format::matter::Optics;
+use flb_format::progress::{Cancelled, Progress};
+use flb_format::{Field, Medium};
 use prefetch_index::prefetch_index;
 use rayon::prelude::*;
 

@@ -4,7 +4,10 @@ mod laws;
 mod refusals;
 mod suns;
 
-use flb_format::{BaseSet, Cancelled, Class, ClassOptics, Medium, Optics};
+use flb_format::Medium;
+use flb_format::bases::BaseSet;
+use flb_format::matter::{Class, ClassOptics, Optics};
+use flb_format::progress::Cancelled;
 
 use super::literal::{self, Until, boundary_of_base};
 use super::{Solution, SolveSettings, SolverKind, media, solve, sweep};

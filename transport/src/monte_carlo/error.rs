@@ -1,6 +1,6 @@
 //! What the Monte Carlo reference refuses, and why.
 
-use flb_format::Cancelled;
+use flb_format::progress::Cancelled;
 use thiserror::Error;
 
 /// Input that no light can be traced in.

@@ -3,7 +3,8 @@
 //! bake --monte-carlo` and `flb trade` all ask here.
 
 use flb_format::beam::{BEAM_RAYS, Near, NearBeam};
-use flb_format::{FieldKind, Progress};
+use flb_format::light::FieldKind;
+use flb_format::progress::Progress;
 
 use super::{
     ComparedLight, Difference, Fluence, Illumination, MonteCarloError, Settings, compare, trace_with,

@@ -5,7 +5,8 @@ mod judged;
 mod laws;
 mod refusals;
 
-use flb_format::{Cancelled, Grid};
+use flb_format::Grid;
+use flb_format::progress::Cancelled;
 
 use super::*;
 use crate::turbid::{BandScatter, LeafAngles, Phase, Scatter, TurbidMedium};

@@ -3,7 +3,7 @@
 mod delta;
 mod sums;
 
-use flb_format::Progress;
+use flb_format::progress::Progress;
 use glam::DVec3;
 
 use super::draw::Draw;

@@ -1,8 +1,9 @@
 //! What can be wrong with the input of a solve.
 
+use flb_format::bases::BaseSet;
+use flb_format::matter::TurbidMedium;
+use flb_format::progress::Cancelled;
 use flb_format::sun::harmonics::MAX_DEGREE;
-use flb_format::turbid::TurbidMedium;
-use flb_format::{BaseSet, Cancelled};
 
 use super::{MAX_RAYS, OrdinatesSettings, SunBasis, Surroundings};
 use crate::turbid::BandScatter;

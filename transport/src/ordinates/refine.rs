@@ -2,7 +2,7 @@
 
 use flb_format::Grid;
 use flb_format::beam::{BEAM_RAYS, Beam, Sites, uncollided};
-use flb_format::turbid::TurbidMedium;
+use flb_format::matter::TurbidMedium;
 
 /// A medium on a lattice twice as fine, with the same extinction everywhere.
 pub(super) struct Refined {

@@ -3,8 +3,8 @@
 use std::sync::atomic::{AtomicUsize, Ordering};
 
 use flb_format::beam::Beam;
-use flb_format::turbid::TurbidMedium;
-use flb_format::{Cancelled, Progress};
+use flb_format::matter::TurbidMedium;
+use flb_format::progress::{Cancelled, Progress};
 use rayon::prelude::*;
 
 use super::OrdinatesSettings;

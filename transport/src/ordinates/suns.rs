@@ -97,7 +97,7 @@ fn unit(v: [f64; 3]) -> [f64; 3] {
 mod tests {
     use super::*;
     use crate::ordinates::{ico12, ico42};
-    use flb_format::BaseSet;
+    use flb_format::bases::BaseSet;
     use flb_format::sun::harmonics;
 
     fn plan(suns: SunBasis) -> SolvePlan {

@@ -4,7 +4,7 @@ mod mixed;
 
 use flb_format::Grid;
 use flb_format::beam::Near;
-use flb_format::turbid::LeafAngles;
+use flb_format::matter::LeafAngles;
 
 use super::*;
 use crate::monte_carlo::{self, ComparedLight, Fluence, Illumination};

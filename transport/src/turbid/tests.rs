@@ -1,4 +1,4 @@
-use flb_format::{BandSurfaces, LeafSurface, WoodSurface};
+use flb_format::matter::{BandSurfaces, LeafSurface, WoodSurface};
 
 use super::phase::{Phase, legendre};
 use super::scatter;

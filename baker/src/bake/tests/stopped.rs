@@ -4,7 +4,8 @@ use std::collections::HashSet;
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 
-use flb_format::{Grid, LeafAngles, Placement, Transform, TurbidMedium};
+use flb_format::matter::{LeafAngles, TurbidMedium};
+use flb_format::{Grid, Placement, Transform};
 use flb_scene::leaf::knapp_carter;
 use flb_transport::lattice::SolverKind;
 

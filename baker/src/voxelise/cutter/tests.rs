@@ -4,8 +4,9 @@ use super::*;
 use crate::voxelise::Scene;
 use crate::voxelise::overlap::{Overlap, SQUARE};
 use crate::voxelise::tests::*;
+use flb_scene::Mesh;
 use flb_scene::mesh::testing::{identity, image, soup};
-use flb_scene::mesh::{AlphaMode, Image, Mesh, Texture, Wrap};
+use flb_scene::mesh::{AlphaMode, Image, Texture, Wrap};
 
 /// The comparison walks every texel: few cases, unless `PROPTEST_CASES` asks for more.
 fn few_cases() -> ProptestConfig {

@@ -1,9 +1,9 @@
 //! Limits on what a `physical` species says of its surfaces and its light (SPEC.md section 9.1).
 
 use super::{MetaFault, check_band_names};
-use crate::Surfaces;
 use crate::light::{Light, SunBasis};
 use crate::sun::harmonics::MAX_DEGREE;
+use crate::surfaces::Surfaces;
 
 /// Numbers of directions along which light may have been marched.
 const ORDINATES: [u32; 3] = [18, 50, 110];

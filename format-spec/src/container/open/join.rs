@@ -3,7 +3,8 @@
 use std::ops::RangeInclusive;
 
 use crate::error::{FormatError, Place};
-use crate::{Model, Source, room};
+use crate::model::Model;
+use crate::{Source, room};
 
 use super::super::records::*;
 use super::super::{BaseEntry, BlockSections, Species, metadata, page};

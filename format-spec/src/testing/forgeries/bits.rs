@@ -2,7 +2,7 @@
 
 use super::List;
 use super::blocks::{BANDS, BLOCKS, Bits, CUBES, file};
-use crate::records::*;
+use crate::container::records::*;
 use crate::testing::Page;
 
 /// A value and its width.

@@ -4,7 +4,7 @@
 
 use std::collections::BTreeSet;
 
-use crate::records::*;
+use crate::container::records::*;
 use crate::testing::{Digests, Page, Parts, golden};
 
 const LATTICE: u32 = 32;

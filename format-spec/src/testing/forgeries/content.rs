@@ -4,8 +4,8 @@ use serde_json::Value;
 
 use super::{List, base, piece};
 use crate::canonical;
+use crate::container::records::*;
 use crate::material_surface::MATERIALS;
-use crate::records::*;
 
 const RAW: &str = "raw-f32";
 

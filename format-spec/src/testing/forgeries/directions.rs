@@ -2,7 +2,7 @@
 //! octahedron.
 
 use super::{List, Of};
-use crate::records::KIND_DETAIL;
+use crate::container::records::KIND_DETAIL;
 
 const DIRECTIONS: &str = "[0,1,0],[0,-1,0],[0,0,-1],[1,0,0],[0,0,1],[-1,0,0]";
 const TRIANGLES: &str = "[0,2,5],[0,3,2],[0,4,3],[0,5,4],[1,2,3],[1,3,4],[1,4,5],[1,5,2]";

@@ -1,7 +1,7 @@
 //! Headers, tables and pages that break a promise.
 
 use super::{List, base};
-use crate::records::*;
+use crate::container::records::*;
 use crate::testing::{Page, Parts, golden};
 
 const RAW: &str = "raw-f32";

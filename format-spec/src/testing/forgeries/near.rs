@@ -1,7 +1,7 @@
 //! Blocks near geometry that break a promise.
 
 use super::List;
-use crate::records::*;
+use crate::container::records::*;
 
 /// Two species: bases 0 and 4 of three bands, base 18 of one band; nothing is compressed.
 const CLASSED: &str = "classed";

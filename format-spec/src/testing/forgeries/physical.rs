@@ -1,7 +1,7 @@
 //! Species of the model `physical` that break a promise. The first has harmonics.
 
 use super::{List, piece};
-use crate::records::*;
+use crate::container::records::*;
 
 const PHYSICAL: &str = "physical";
 const RAW: &str = "raw-f32";

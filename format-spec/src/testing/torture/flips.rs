@@ -2,7 +2,7 @@
 //! one.
 
 use super::{Cases, Dice};
-use crate::records::{HEADER_BYTES, Header, VERSION};
+use crate::container::records::{HEADER_BYTES, Header, VERSION};
 
 /// Bits flipped in the header, and in the tables.
 const FLIPS: usize = 24;

@@ -3,7 +3,7 @@
 //! A block of type RLE is a byte and how often it stands: four bytes for up to 128 KiB. So a bomb needs no compressor.
 
 use super::{Cases, PASSES};
-use crate::records::MAX_PAGE_BYTES;
+use crate::container::records::MAX_PAGE_BYTES;
 use crate::testing::Page;
 
 /// Zstandard's magic number, and one of the sixteen of skippable frames.

@@ -6,7 +6,7 @@ use serde_json::{Value, json};
 
 use super::frames::{blocks, frame, zeros};
 use super::{Cases, PASSES};
-use crate::records::*;
+use crate::container::records::*;
 use crate::testing::{Digests, Page, Parts};
 use crate::{block, canonical};
 

@@ -1,7 +1,7 @@
 //! Kinds 12, 22, 25, 29, 30 and 40 to 42, 47: pages and sections in places, or of contents, that are not theirs.
 
 use super::{Cases, PASSES};
-use crate::records::{FLAG_COPY, MAX_PAGE_BYTES, PAGE_ALIGN, SECTION_ALIGN};
+use crate::container::records::{FLAG_COPY, MAX_PAGE_BYTES, PAGE_ALIGN, SECTION_ALIGN};
 use crate::testing::{Digests, Page, Parts};
 
 pub(super) fn cases(cases: &mut Cases) {

@@ -4,8 +4,8 @@ use serde_json::{Map, Value, json};
 
 use super::{Cases, PASSES};
 use crate::canonical;
+use crate::container::records::MAX_METADATA_BYTES;
 use crate::material_surface::MATERIALS;
-use crate::records::MAX_METADATA_BYTES;
 
 pub(super) fn cases(cases: &mut Cases) {
     let subject = cases.subject;

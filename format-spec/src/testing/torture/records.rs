@@ -1,7 +1,7 @@
 //! Kinds 10 to 28, 31 and 45 to 46: fields of header and tables, one at a time, behind sound digests.
 
 use super::{Cases, PASSES};
-use crate::records::*;
+use crate::container::records::*;
 use crate::testing::{Digests, Parts};
 
 pub(super) fn header_cases(cases: &mut Cases) {

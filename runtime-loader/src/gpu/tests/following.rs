@@ -2,7 +2,8 @@
 
 use std::sync::Arc;
 
-use flb_format::{Codec, SunBasis};
+use flb_format::Codec;
+use flb_format::light::SunBasis;
 
 use super::super::{Follower, Gpu, GpuLight, LightSettings};
 use super::near;

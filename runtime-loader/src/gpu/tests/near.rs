@@ -1,13 +1,16 @@
 //! near.wgsl against the marches of the CPU.
 
-use flb_format::{Codec, Grid, LeafAngles, SunBasis, TurbidMedium};
+use flb_format::light::SunBasis;
+use flb_format::matter::{LeafAngles, TurbidMedium};
+use flb_format::{Codec, Grid};
 
 use super::super::{GpuError, GpuLight, GpuSpeciesId, LightSettings, Term};
 use super::made::{self, Random};
 use super::probe::{self, Ask};
 use crate::extinction::Extinction;
+use crate::near_beam::{Marcher, offset};
+use crate::physical::PhysicalSampler;
 use crate::plants::{library, noise, plant};
-use crate::{Marcher, PhysicalSampler, offset};
 
 /// In place of what [`probe::SAMPLES`] finds. The direction of the sun is the first of the points, the seed is a
 /// point's number, and `second` is the number of offsets.

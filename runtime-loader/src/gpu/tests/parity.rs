@@ -3,9 +3,11 @@
 use std::path::PathBuf;
 
 use flb_format::blocks::{CodedBase, TEXELS};
+use flb_format::matter::{BandOptics, Class, ClassOptics, Optics};
 use flb_format::meta::{Bounds, TriangleCounts};
-use flb_format::{BandOptics, Class, ClassOptics, Codec, Field, Grid, Medium, Model, Optics, SpeciesMeta};
-use flb_packer::{EncodeSettings, SpeciesFields, encode_species, write_library_to};
+use flb_format::model::Model;
+use flb_format::{Codec, Field, Grid, Medium, SpeciesFields, SpeciesMeta};
+use flb_packer::{EncodeSettings, encode_species, write_library_to};
 
 use super::super::{Gpu, GpuLight, GpuSpeciesId, LightSettings, Term, pack};
 use super::made::{self, Random};

@@ -2,7 +2,9 @@
 
 use std::f32::consts::PI;
 
-use flb_format::{Codec, SkyPart, SunBasis, Transform};
+use flb_format::light::SunBasis;
+use flb_format::sky_part::SkyPart;
+use flb_format::{Codec, Transform};
 
 use super::super::{GpuError, GpuLight, GpuSpecies, LightSettings, SkyOnGpu};
 use super::probe::{self, Ask};

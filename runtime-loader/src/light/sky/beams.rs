@@ -13,10 +13,12 @@
 
 use std::sync::Arc;
 
+use flb_format::Transform;
 use flb_format::beam::{MAX_MEANS, means};
+use flb_format::light::SunBasis;
 use flb_format::ordinates::Ordinates;
+use flb_format::sky_part::SkyPart;
 use flb_format::sun::harmonics::{MAX_DEGREE, count, evaluate};
-use flb_format::{SkyPart, SunBasis, Transform};
 
 use super::{BANDS, OfSite, OfSites, SkyLight, Weighted, Weights, checked, for_each_beam, in_order};
 use crate::RuntimeError;

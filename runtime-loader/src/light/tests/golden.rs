@@ -5,7 +5,8 @@
 
 use std::path::PathBuf;
 
-use flb_format::{Field, site_of};
+use flb_format::Field;
+use flb_format::sample::site_of;
 
 use super::*;
 

@@ -22,7 +22,7 @@ use super::answer::{NoRange, Refused, judge, range_of};
 use super::credentials::{Kind, is_near};
 use super::redirect::{Hop, Reach, Rules};
 use super::wire::{Clients, PrivateName, Wire, WireSettings};
-use crate::Traffic;
+use crate::source::Traffic;
 
 /// Of an answer to a request for credentials.
 const MAX_CREDENTIALS_BYTES: usize = 64 << 10;

@@ -7,7 +7,7 @@
 mod similar;
 mod view;
 
-use flb_format::Eye;
+use flb_format::eye::Eye;
 use flb_format::text::is_hidden;
 use std::collections::BTreeMap;
 

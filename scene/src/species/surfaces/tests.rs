@@ -1,4 +1,4 @@
-use flb_format::{LeafSurface, WoodSurface};
+use flb_format::matter::{LeafSurface, WoodSurface};
 
 use super::super::SpeciesFile;
 use super::*;

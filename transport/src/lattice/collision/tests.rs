@@ -1,7 +1,7 @@
 #![allow(clippy::needless_range_loop, reason = "Indices are directions here.")]
 
 use flb_format::direction::{DIRECTIONS, WEIGHTS, opposite};
-use flb_format::{ClassOptics, Optics};
+use flb_format::matter::{ClassOptics, Optics};
 
 use super::*;
 

@@ -1,6 +1,7 @@
 //! The sites that change light, in short runs: what the explicit solver does beside moving light on.
 
-use flb_format::{Class, Medium};
+use flb_format::Medium;
+use flb_format::matter::Class;
 
 use super::super::kernel::{Gain, LANES, Lanes};
 use super::MOVING;

@@ -1,6 +1,7 @@
 //! The table of extremes.
 
-use flb_format::{BandOptics, Class, ClassOptics, Medium, Optics};
+use flb_format::Medium;
+use flb_format::matter::{BandOptics, Class, ClassOptics, Optics};
 
 use super::super::media;
 use super::shapes::{hollow, solid};

@@ -1,6 +1,7 @@
 //! Bodies of matter for the extremes.
 
-use flb_format::{Class, Medium};
+use flb_format::Medium;
+use flb_format::matter::Class;
 
 use super::super::media::{empty, put};
 

@@ -1,8 +1,8 @@
 //! Rust values -> the words of the WGSL structs in types.wgsl, field by field. A test holds names and offsets against
 //! what naga reads from the WGSL.
 
-use flb_format::BandOptics;
 use flb_format::direction::opposite;
+use flb_format::matter::BandOptics;
 
 use super::super::collision;
 use super::super::kernel::{Gain, LANES};

@@ -7,7 +7,8 @@
 use std::ops::Range;
 
 use flb_format::direction::MOVING;
-use flb_format::{Cancelled, Optics};
+use flb_format::matter::Optics;
+use flb_format::progress::Cancelled;
 
 use super::super::SolveSettings;
 use super::super::course::{CROSSINGS, Course};

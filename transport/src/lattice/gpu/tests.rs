@@ -3,7 +3,10 @@
 
 mod wgsl;
 
-use flb_format::{BaseSet, Cancelled, Class, ClassOptics, Medium, Optics};
+use flb_format::Medium;
+use flb_format::bases::BaseSet;
+use flb_format::matter::{Class, ClassOptics, Optics};
+use flb_format::progress::Cancelled;
 
 use super::super::error::GpuError;
 use super::super::kernel::LANES;

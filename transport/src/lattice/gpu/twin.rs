@@ -1,8 +1,8 @@
 //! The stages of the GPU on the CPU, eight lanes at a time: what the WGSL is held against. The solver in which a site
 //! sees only the iteration before.
 
-use flb_format::Optics;
 use flb_format::direction::MOVING;
+use flb_format::matter::Optics;
 
 use super::super::collision::{self, Matrix};
 use super::super::dense;

@@ -1,8 +1,9 @@
 //! Physics: what must hold whatever the numbers are.
 #![allow(clippy::needless_range_loop, reason = "Indices are directions here.")]
 
+use flb_format::Medium;
 use flb_format::direction::{DIRECTIONS, MOVING, WEIGHTS};
-use flb_format::{Class, ClassOptics, Medium};
+use flb_format::matter::{Class, ClassOptics};
 
 use super::super::literal::{self, Until, boundary_of_base};
 use super::super::{SolveSettings, media, solve};

@@ -1,6 +1,7 @@
 //! What is refused, and that the message says where and why.
 
-use flb_format::{BaseSet, Class, Optics};
+use flb_format::bases::BaseSet;
+use flb_format::matter::{Class, Optics};
 
 use super::super::{SolveError, SolveSettings, media, solve};
 use super::{one_band, quiet};

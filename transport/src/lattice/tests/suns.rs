@@ -1,8 +1,8 @@
 //! Linear laws: what the blend of bases at run time rests on.
 
 use flb_format::direction::{MOVING, WEIGHTS, opposite};
-use flb_format::sun;
-use flb_format::{Class, ClassOptics, Medium, Optics};
+use flb_format::matter::{Class, ClassOptics, Optics};
+use flb_format::{Medium, sun};
 
 use super::super::balance::{Balance, balances};
 use super::super::literal::{self, Until};

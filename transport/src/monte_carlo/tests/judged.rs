@@ -1,6 +1,6 @@
 //! Fields judged by traced suns: a planted error is found, and it does not matter how the beam is stored.
 
-use flb_format::FieldKind;
+use flb_format::light::FieldKind;
 
 use super::super::judge::{Judgement, MAX_SUNS, Truth, photons, suns};
 use super::*;

@@ -1,6 +1,6 @@
 //! The camera and the sun of a glTF. A scene does without either, so that what cannot be used is a warning.
 
-use flb_format::Eye;
+use flb_format::eye::Eye;
 use glam::{DMat4, DVec3};
 use gltf::json::camera::Type;
 use gltf::json::validation::Checked;
