@@ -22,7 +22,8 @@ mod view;
 
 use std::path::PathBuf;
 
-use clap::{Args, Parser, Subcommand, ValueEnum};
+use clap::{ArgAction, Args, Parser, Subcommand, ValueEnum};
+use flb_files::Existing;
 use flb_fixtures::PlantKind;
 use flb_format::Quality;
 use flb_inspector::validate::Level;
@@ -45,6 +46,8 @@ pub(crate) use torture::TortureArgs;
 pub(crate) use trade::TradeArgs;
 #[cfg(feature = "view")]
 pub(crate) use view::ViewArgs;
+
+use values::existing;
 
 /// Precomputed plant lighting: bake a plant mesh, keep its light in a .flb file, relight it anywhere.
 #[derive(Parser)]
@@ -186,8 +189,8 @@ pub(crate) struct MaterialsArgs {
     #[arg(long)]
     pub strict: bool,
     /// Overwrite the picture if it exists
-    #[arg(long)]
-    pub force: bool,
+    #[arg(long = "force", action = ArgAction::SetTrue, value_parser = existing())]
+    pub existing: Existing,
     /// Print as JSON (schema: cli/schema/materials.json)
     #[arg(long)]
     pub json: bool,
@@ -215,8 +218,8 @@ pub(crate) struct PackArgs {
     #[arg(long, value_name = "PLAN.toml|.json")]
     pub plan: Option<PathBuf>,
     /// Overwrite the output if it is there already
-    #[arg(long)]
-    pub force: bool,
+    #[arg(long = "force", action = ArgAction::SetTrue, value_parser = existing())]
+    pub existing: Existing,
     /// Print the summary as JSON (schema: cli/schema/pack.json)
     #[arg(long)]
     pub json: bool,
@@ -240,8 +243,8 @@ pub(crate) struct MigrateArgs {
     #[arg(short, long, value_name = "NEW.flb")]
     pub output: PathBuf,
     /// Overwrite the output if it is there already
-    #[arg(long)]
-    pub force: bool,
+    #[arg(long = "force", action = ArgAction::SetTrue, value_parser = existing())]
+    pub existing: Existing,
     /// Print the summary as JSON (schema: cli/schema/migrate.json)
     #[arg(long)]
     pub json: bool,
@@ -302,8 +305,8 @@ pub(crate) struct ExtractArgs {
     #[arg(short, long, value_name = "OUT")]
     pub output: PathBuf,
     /// Overwrite the output if it is there already
-    #[arg(long)]
-    pub force: bool,
+    #[arg(long = "force", action = ArgAction::SetTrue, value_parser = existing())]
+    pub existing: Existing,
     /// Print what was written as JSON (schema: cli/schema/extract.json)
     #[arg(long)]
     pub json: bool,
@@ -337,8 +340,8 @@ pub(crate) struct GrowArgs {
     #[arg(short, long, value_name = "OUT.glb")]
     pub output: PathBuf,
     /// Overwrite the output if it is there already
-    #[arg(long)]
-    pub force: bool,
+    #[arg(long = "force", action = ArgAction::SetTrue, value_parser = existing())]
+    pub existing: Existing,
     /// Print what was grown as JSON (schema: cli/schema/grow.json)
     #[arg(long)]
     pub json: bool,

@@ -94,9 +94,9 @@ pub(crate) fn run(args: &BakeArgs) -> Result<u8, Failure> {
     }
     let bytes = stages.run(Step::Write, &args.output.display().to_string(), |_| -> Result<u64, Failure> {
         if let Some(fields) = &args.keep_fields {
-            write_library(fields, &kept.iter().collect::<Vec<_>>(), args.force)?;
+            write_library(fields, &kept.iter().collect::<Vec<_>>(), args.existing)?;
         }
-        Ok(write_library(&args.output, &coded.iter().collect::<Vec<_>>(), args.force)?)
+        Ok(write_library(&args.output, &coded.iter().collect::<Vec<_>>(), args.existing)?)
     })?;
     let summary = Summary {
         output: args.output.display().to_string(),

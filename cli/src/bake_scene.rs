@@ -59,7 +59,7 @@ struct SpeciesSummary {
 
 /// Reads, bakes, codes, writes.
 pub(crate) fn run(args: &BakeSceneArgs) -> Result<u8, Failure> {
-    check_output_of(&args.output, &[&args.scene], args.force)?;
+    check_output_of(&args.output, &[&args.scene], args.existing)?;
     let at_scene = |failure: Failure| failure.at(&args.scene);
     let scene = read_scene_to_light(&args.scene, &[&args.output])?;
     let stages = Stages::default();
@@ -81,7 +81,7 @@ pub(crate) fn run(args: &BakeSceneArgs) -> Result<u8, Failure> {
     };
     let coded = baked.entries().map(encode).collect::<Result<Vec<_>, _>>()?;
     let bytes = stages.run(Step::Write, &args.output.display().to_string(), |_| {
-        write_library(&args.output, &coded.iter().collect::<Vec<_>>(), args.force)
+        write_library(&args.output, &coded.iter().collect::<Vec<_>>(), args.existing)
     })?;
     let summary = summary(args, scene, &baked, bytes, stages.list());
     match args.json {

@@ -27,7 +27,7 @@ struct Extracted {
 
 /// Reads the volume, writes it.
 pub(crate) fn run(args: &ExtractArgs) -> Result<u8, Failure> {
-    check_output_of(&args.output, &[&args.file], args.force)?;
+    check_output_of(&args.output, &[&args.file], args.existing)?;
     check_extension(args)?;
     let library = open(&args.file)?;
     let index = choose_species(&library, args.species.as_deref(), None)?;
@@ -73,7 +73,7 @@ pub(crate) fn run(args: &ExtractArgs) -> Result<u8, Failure> {
         VolumeFormat::Exr => ("exr", volume_exr(&volume)?),
         VolumeFormat::Npy => ("npy", volume_npy(&volume)),
     };
-    publish(&args.output, args.force, |file| file.write_all(&bytes))?;
+    publish(&args.output, args.existing, |file| file.write_all(&bytes))?;
     let extracted = Extracted {
         output: args.output.display().to_string(),
         species: meta.name.clone(),

@@ -58,14 +58,14 @@ struct SpeciesOutcome {
 /// Reads the scene, its meshes and their light, and takes its pictures.
 pub(crate) fn run(args: &RenderArgs) -> Result<u8, Failure> {
     refuse_flags_of_a_plant(args)?;
-    check_output_of(&args.output, &[&args.file], args.force)?;
+    check_output_of(&args.output, &[&args.file], args.existing)?;
     let format = picture_format(&args.output)?;
     let outputs = match args.frames {
         Some(frames) => frame_files(&args.output, frames),
         None => vec![args.output.clone()],
     };
     for output in outputs.iter().filter(|_| args.frames.is_some()) {
-        check_output_of(output, &[&args.file], args.force)?;
+        check_output_of(output, &[&args.file], args.existing)?;
     }
     let scene = read_scene(&args.file, &outputs.iter().map(PathBuf::as_path).collect::<Vec<_>>())?;
     let sky = read_sky(&args.sky, &scene.sky)?;
@@ -110,7 +110,7 @@ pub(crate) fn run(args: &RenderArgs) -> Result<u8, Failure> {
     for (number, frame) in frames.iter().enumerate() {
         let picture = renderer.picture(frame, &stages)?;
         match args.frames {
-            Some(_) => write(&outputs[number], args.force, &picture, format, exposure)?,
+            Some(_) => write(&outputs[number], args.existing, &picture, format, exposure)?,
             None => pictures.push(picture),
         }
     }
@@ -246,7 +246,7 @@ fn write_sheet(
         1 => pictures.remove(0),
         _ => contact_sheet(&pictures, SHEET_GAP)?,
     };
-    write(&args.output, args.force, &picture, format, exposure)?;
+    write(&args.output, args.existing, &picture, format, exposure)?;
     Ok([picture.width, picture.height])
 }
 

@@ -22,14 +22,14 @@ struct Grown {
 
 /// Grows, writes, says what was written.
 pub(crate) fn run(args: &GrowArgs) -> Result<u8, Failure> {
-    check_output(&args.output, &[], args.force)?;
+    check_output(&args.output, &[], args.existing)?;
     let kind = args.plant;
     let plant = kind.name();
     let grown = grow(kind, args.seed, args.triangles.unwrap_or(kind.default_triangles()))?;
     let grown = if args.autumn { autumn(grown) } else { grown };
     let grown = if args.potted { potted(grown) } else { grown };
     let glb = grown.to_glb();
-    publish(&args.output, args.force, |file| file.write_all(&glb))?;
+    publish(&args.output, args.existing, |file| file.write_all(&glb))?;
     let season = if args.autumn { " in autumn" } else { "" };
     let place = if args.potted { " in a pot" } else { "" };
     let summary = Grown {

@@ -4,7 +4,7 @@ use std::path::Path;
 #[cfg(feature = "remote")]
 use std::sync::atomic::{AtomicBool, Ordering};
 
-use flb_files::{check_unread, guard_input};
+use flb_files::{Existing, check_unread, guard_input};
 use flb_format::text::url;
 #[cfg(feature = "remote")]
 use flb_runtime::source::RemoteSettings;
@@ -47,16 +47,16 @@ pub(crate) fn remote_settings() -> RemoteSettings {
 }
 
 /// As [`check_output`], for inputs of which some may be URLs.
-pub(crate) fn check_output_of(output: &Path, inputs: &[&Path], force: bool) -> Result<(), Failure> {
+pub(crate) fn check_output_of(output: &Path, inputs: &[&Path], existing: Existing) -> Result<(), Failure> {
     let inputs = inputs.iter().map(Location::parse).collect::<Result<Vec<_>, _>>()?;
-    check_output(output, &inputs.iter().filter_map(Location::file).collect::<Vec<_>>(), force)
+    check_output(output, &inputs.iter().filter_map(Location::file).collect::<Vec<_>>(), existing)
 }
 
 /// Refuses an output that cannot be written later, so that no long work is lost: see [`flb_files::check_output`].
-pub(crate) fn check_output(output: &Path, inputs: &[&Path], force: bool) -> Result<(), Failure> {
+pub(crate) fn check_output(output: &Path, inputs: &[&Path], existing: Existing) -> Result<(), Failure> {
     check_local(output)?;
     check_no_dash(output)?;
-    flb_files::check_output(output, inputs, force)?;
+    flb_files::check_output(output, inputs, existing)?;
     guard_named(inputs.iter().copied(), &[output]);
     Ok(check_unread(output)?)
 }

@@ -6,7 +6,7 @@ use flb_eval::figures::OPENNESS;
 use flb_eval::{
     ClassJudgement, Figures, JudgePicture, MeshJudge, MeshJudgement, judged_points, judged_surfaces,
 };
-use flb_files::check_unread;
+use flb_files::{Existing, check_unread};
 use flb_format::provenance::IGNORE_ALPHA;
 use flb_runtime::SpeciesLight;
 use flb_scene::Step;
@@ -72,7 +72,7 @@ struct Report {
 /// Reads file and mesh, traces the truth, compares, draws, prints.
 pub(crate) fn run(args: &JudgeArgs) -> Result<u8, Failure> {
     if let Some(folder) = &args.picture {
-        check_folder(folder, &PICTURES, &[&args.file, &args.mesh], args.force)?;
+        check_folder(folder, &PICTURES, &[&args.file, &args.mesh], args.existing)?;
     }
     let library = open(&args.file)?;
     let stem = args.mesh.file_stem().map(|stem| stem.to_string_lossy().into_owned());
@@ -108,7 +108,7 @@ pub(crate) fn run(args: &JudgeArgs) -> Result<u8, Failure> {
         .map_err(|error| Failure::from(error).at(&args.mesh))?;
     let pictures = match &args.picture {
         None => Vec::new(),
-        Some(folder) => publish(folder, drawn, args.force)?,
+        Some(folder) => publish(folder, drawn, args.existing)?,
     };
     let report = Report {
         file: args.file.display().to_string(),
@@ -130,13 +130,13 @@ pub(crate) fn run(args: &JudgeArgs) -> Result<u8, Failure> {
 }
 
 /// Writes the pictures, all or none.
-fn publish(folder: &Path, drawn: Vec<JudgePicture>, force: bool) -> Result<Vec<Pictured>, Failure> {
+fn publish(folder: &Path, drawn: Vec<JudgePicture>, existing: Existing) -> Result<Vec<Pictured>, Failure> {
     let (mut files, mut pictures) = (Vec::new(), Vec::new());
     for (name, JudgePicture { source, full, png }) in PICTURES.into_iter().zip(drawn) {
         files.push((name, png));
         pictures.push(Pictured { file: folder.join(name).display().to_string(), source, full });
     }
-    publish_all(folder, &files, force)?;
+    publish_all(folder, &files, existing)?;
     Ok(pictures)
 }
 

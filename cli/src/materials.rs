@@ -44,7 +44,7 @@ struct Materials {
 /// Prints the tables; what is undecided says so.
 pub(crate) fn run(args: &MaterialsArgs) -> Result<u8, Failure> {
     if let Some(picture) = &args.picture {
-        check_output(picture, &[&args.mesh_file], args.force)?;
+        check_output(picture, &[&args.mesh_file], args.existing)?;
     }
     let reader = MeshReader::new(&args.mesh)?;
     let mesh = reader.read(&args.mesh_file)?;
@@ -106,7 +106,7 @@ fn draw(
     let classes: Vec<Option<MaterialClass>> = known.iter().map(class).collect();
     let rgb = class_views(mesh, &classes, args.view_size)?;
     let png = png_of([2 * args.view_size; 2], &rgb)?;
-    Ok(publish(picture, args.force, |file| file.write_all(&png))?)
+    Ok(publish(picture, args.existing, |file| file.write_all(&png))?)
 }
 
 fn text(found: &Materials, units: &[&str]) -> String {

@@ -30,7 +30,7 @@ struct Summary {
 
 /// Checks the whole input, takes every page over as it is coded, writes the output.
 pub(crate) fn run(args: &MigrateArgs) -> Result<u8, Failure> {
-    check_output_of(&args.output, &[&args.input], args.force)?;
+    check_output_of(&args.output, &[&args.input], args.existing)?;
     let location = Location::parse(&args.input)?;
     let library = open_location(&location)?;
     let (container, source, path) = (library.container(), library.source(), library.path());
@@ -42,7 +42,7 @@ pub(crate) fn run(args: &MigrateArgs) -> Result<u8, Failure> {
         .map(|index| copier.species(index))
         .collect::<Result<_, _>>()
         .map_err(|error| Failure::from(error).at(path))?;
-    let bytes = write_library(&args.output, &copied.iter().collect::<Vec<_>>(), args.force)?;
+    let bytes = write_library(&args.output, &copied.iter().collect::<Vec<_>>(), args.existing)?;
     let version = |(major, minor): (u16, u16)| format!("{major}.{minor}");
     let dropped = copied.iter().flat_map(|species| {
         species.dropped.iter().map(|key| format!("{key}, of species {}", species.meta.name))

@@ -35,7 +35,7 @@ struct Summary {
 pub(crate) fn run(args: &PackArgs) -> Result<u8, Failure> {
     let mut inputs: Vec<&Path> = args.inputs.iter().map(|path| path.as_path()).collect();
     inputs.extend(args.plan.as_deref());
-    check_output_of(&args.output, &inputs, args.force)?;
+    check_output_of(&args.output, &inputs, args.existing)?;
     let settings = settings(args)?;
     let plan = args.plan.as_deref().map(Plan::read).transpose()?;
     let stages = Stages::default();
@@ -107,7 +107,7 @@ pub(crate) fn run(args: &PackArgs) -> Result<u8, Failure> {
         }
     }
     let list: Vec<&EncodedSpecies> = coded.iter().collect();
-    let bytes = stages.run(Step::Write, "", |_| write_library(&args.output, &list, args.force))?;
+    let bytes = stages.run(Step::Write, "", |_| write_library(&args.output, &list, args.existing))?;
     let summary = Summary {
         output: args.output.display().to_string(),
         bytes,

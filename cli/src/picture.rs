@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use flb_files::publish;
+use flb_files::{Existing, publish};
 use flb_render::Picture;
 use serde::Serialize;
 
@@ -36,7 +36,7 @@ pub(crate) struct Difference {
 /// Writes a picture as its name asks for.
 pub(crate) fn write(
     output: &Path,
-    force: bool,
+    existing: Existing,
     picture: &Picture,
     format: PictureFormat,
     exposure: f32,
@@ -45,7 +45,7 @@ pub(crate) fn write(
         PictureFormat::Png => picture.to_png(exposure)?,
         PictureFormat::Exr => picture.to_exr()?,
     };
-    Ok(publish(output, force, |file| file.write_all(&bytes))?)
+    Ok(publish(output, existing, |file| file.write_all(&bytes))?)
 }
 
 #[derive(Clone, Copy)]

@@ -80,7 +80,7 @@ impl PlannedSpecies {
 /// Reads the scene and the sizes of its species, plans, writes the plan, prints what was found.
 pub(crate) fn run(args: &PlanArgs) -> Result<u8, Failure> {
     let inputs: Vec<&Path> = args.scene.as_deref().into_iter().collect();
-    check_output(&args.output, &inputs, args.force)?;
+    check_output(&args.output, &inputs, args.existing)?;
     let json = is_json(&args.output)?;
     let scene = scene(args)?;
     let bounds = match scene.camera {
@@ -94,7 +94,7 @@ pub(crate) fn run(args: &PlanArgs) -> Result<u8, Failure> {
     }
     let plan = Plan::of(&outline)?;
     let bytes = if json { plan.to_json() } else { plan.to_toml().into_bytes() };
-    publish(&args.output, args.force, |file| file.write_all(&bytes))?;
+    publish(&args.output, args.existing, |file| file.write_all(&bytes))?;
     let planned = Planned {
         output: args.output.display().to_string(),
         reason: outline.reason.clone(),

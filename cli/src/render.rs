@@ -84,7 +84,7 @@ pub(crate) fn run(args: &RenderArgs) -> Result<u8, Failure> {
     let mut inputs: Vec<&Path> = vec![&args.file, mesh_file];
     inputs.extend(args.against.as_deref());
     inputs.extend(sky_file(&args.sky));
-    check_output_of(&args.output, &inputs, args.force)?;
+    check_output_of(&args.output, &inputs, args.existing)?;
     let format = picture_format(&args.output)?;
     let stages = Stages::default();
     let sky = read_sky(&args.sky, &SceneSky::Even)?;
@@ -122,7 +122,7 @@ pub(crate) fn run(args: &RenderArgs) -> Result<u8, Failure> {
         1 => pictures.remove(0),
         _ => contact_sheet(&pictures, SHEET_GAP)?,
     };
-    write(&args.output, args.force, &picture, format, exposure)?;
+    write(&args.output, args.existing, &picture, format, exposure)?;
     let rendered = Rendered::<()> {
         output: args.output.display().to_string(),
         species: meta.name.clone(),

@@ -50,7 +50,7 @@ pub(crate) fn run(args: &ScatterArgs) -> Result<u8, Failure> {
     inputs.extend(args.species.iter().filter_map(|species| species.light.as_deref()));
     inputs.extend(args.density.as_deref());
     inputs.extend(args.height_map.as_deref());
-    check_output(&args.output, &inputs, args.force)?;
+    check_output(&args.output, &inputs, args.existing)?;
     check_species(&args.species)?;
     if !(args.scale[0] >= 1e-3 && args.scale[1] <= 1e3) {
         return Err(Failure::new(USAGE, format!("--scale is {:?}, expected 0.001 to 1000", args.scale)));
@@ -67,7 +67,7 @@ pub(crate) fn run(args: &ScatterArgs) -> Result<u8, Failure> {
     let stand = stand(args, &spots, heights.as_ref());
     let text = scene(args, &stand)?;
     check_readable(args, &stand)?;
-    publish(&args.output, args.force, |file| file.write_all(text.as_bytes()))?;
+    publish(&args.output, args.existing, |file| file.write_all(text.as_bytes()))?;
     let count = |index: usize| stand.iter().filter(|plant| plant.species == index).count();
     let scattered = Scattered {
         output: args.output.display().to_string(),

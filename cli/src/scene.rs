@@ -49,7 +49,7 @@ struct Named<'a> {
 pub(crate) fn run(args: &SceneArgs) -> Result<u8, Failure> {
     let files = args.light.iter().chain(&args.species_file).map(|(_, file)| file.as_path());
     let inputs: Vec<&Path> = files.chain([args.file.as_path()]).chain(args.height_map.as_deref()).collect();
-    check_output(&args.output, &inputs, args.force)?;
+    check_output(&args.output, &inputs, args.existing)?;
     check_ground(args)?;
     let mut stand = read_stand(&args.file, &args.leave_out, &args.node)
         .map_err(|error| Failure::from(error).at(&args.file))?;
@@ -75,7 +75,7 @@ pub(crate) fn run(args: &SceneArgs) -> Result<u8, Failure> {
         }
     }
     let text = text::scene(args, &stand, &named)?;
-    publish(&args.output, args.force, |file| file.write_all(text.as_bytes()))?;
+    publish(&args.output, args.existing, |file| file.write_all(text.as_bytes()))?;
     let found = found(args, &stand, &named);
     match args.json {
         true => print::json(&found)?,

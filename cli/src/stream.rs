@@ -93,7 +93,7 @@ struct FrameLine {
 /// Reads scene and library, replays, prints.
 pub(crate) fn run(args: &StreamArgs) -> Result<u8, Failure> {
     if let Some(trace) = &args.trace {
-        check_output_of(trace, &[&args.library, &args.scene], args.force)?;
+        check_output_of(trace, &[&args.library, &args.scene], args.existing)?;
     }
     let frames = (args.seconds * args.fps).max(1.0);
     if frames > MAX_FRAMES {
@@ -137,7 +137,7 @@ pub(crate) fn run(args: &StreamArgs) -> Result<u8, Failure> {
         let file =
             TraceFile { streamed: &streamed, moments: trace.moments.iter().map(FrameLine::of).collect() };
         let text = serde_json::to_string_pretty(&file).map_err(|error| Failure::new(INTERNAL, error))?;
-        publish(path, args.force, |file| file.write_all((text + "\n").as_bytes()))?;
+        publish(path, args.existing, |file| file.write_all((text + "\n").as_bytes()))?;
     }
     match args.json {
         true => print::json(&streamed)?,

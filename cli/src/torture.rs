@@ -4,7 +4,7 @@ use std::fs;
 use std::io::{self, Read};
 use std::path::Path;
 
-use flb_files::{names_in, open_regular, publish};
+use flb_files::{Existing, names_in, open_regular, publish};
 use flb_format::testing::torture::{CONDITIONS, Case, KINDS, Subject};
 use flb_inspector::{Level, Report};
 use flb_runtime::Location;
@@ -96,7 +96,7 @@ pub(crate) fn run(args: &TortureArgs) -> Result<u8, Failure> {
         conditions: CONDITIONS.map(|c| Carried { kind: c.kind, carried_by: c.carried_by }).into(),
     };
     let json = serde_json::to_vec_pretty(&manifest).map_err(|error| Failure::new(INTERNAL, error))?;
-    publish(&args.output.join("manifest.json"), false, |out| out.write_all(&json))?;
+    publish(&args.output.join("manifest.json"), Existing::Keep, |out| out.write_all(&json))?;
     match args.json {
         true => print::json(&manifest)?,
         false => print::out(&text(&manifest))?,
@@ -139,7 +139,7 @@ fn make_folder(folder: &Path) -> Result<(), Failure> {
 fn tried(folder: &Path, case: Case) -> Result<Verdict, Failure> {
     let name = format!("{:02}-{}.flb", case.kind, case.label);
     let path = folder.join(&name);
-    publish(&path, false, |out| out.write_all(&case.bytes))?;
+    publish(&path, Existing::Keep, |out| out.write_all(&case.bytes))?;
     let expected = Outcome::of(case.expected);
     Ok(verdict(case.kind, case.label, case.done, name, expected, &path))
 }

@@ -46,7 +46,7 @@ pub(crate) fn run(args: &TradeArgs) -> Result<u8, Failure> {
     let limit_bytes = memory_limit(args)?;
     let folder = out_folder(args)?;
     let inputs: Vec<_> = [Some(&args.mesh_file), args.mesh.species.as_ref()].into_iter().flatten().collect();
-    report::check_folder(&folder, &inputs, args.force)?;
+    report::check_folder(&folder, &inputs, args.existing)?;
     let mut reader = MeshReader::new(&args.mesh)?;
     let settings = TradeSettings {
         lattices,
@@ -75,7 +75,7 @@ pub(crate) fn run(args: &TradeArgs) -> Result<u8, Failure> {
         skipped.reason += " (--memory-limit)";
     }
     let report = Report::new(args, &folder, measured);
-    report::publish_all(&report, page::page, &folder, args.force)?;
+    report::publish_all(&report, page::page, &folder, args.existing)?;
     match args.json {
         true => print::json(&report)?,
         false => print::out(&report.text())?,

@@ -64,7 +64,7 @@ struct SpeciesViewed {
 /// Reads the scene and shows it.
 pub(crate) fn run(args: &ViewArgs) -> Result<u8, Failure> {
     if let Some(output) = &args.screenshot {
-        check_output_of(output, &[&args.scene], args.force)?;
+        check_output_of(output, &[&args.scene], args.existing)?;
         if !output.extension().is_some_and(|e| e.eq_ignore_ascii_case("png")) {
             return Err(Failure::new(USAGE, "a screenshot is a PNG: expected OUT.png").at(output));
         }
@@ -152,7 +152,7 @@ fn screenshot(
     screen.set(painted.clone());
     let (rgb, _) = screen.shot(args.size, Vec::new(), &mut controls)?;
     let png = png_of(args.size, &rgb)?;
-    publish(output, args.force, |file| file.write_all(&png))?;
+    publish(output, args.existing, |file| file.write_all(&png))?;
     Ok(painted)
 }
 

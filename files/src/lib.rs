@@ -11,13 +11,15 @@
 #![deny(clippy::print_stdout, clippy::print_stderr)] // cli/src/print.rs alone prints
 
 mod error;
+mod existing;
 mod guard;
 mod open;
 mod output;
 mod publish;
 
 pub use error::FileError;
+pub use existing::Existing;
 pub use guard::{check_unread, guard_input, guard_inputs};
 pub use open::{OpenError, open_own, open_regular};
 pub use output::{check_distinct, check_output};
-pub use publish::{names_in, probe, publish, publish_own, stop_publishing};
+pub use publish::{names_in, publish, publish_own, stop_publishing};

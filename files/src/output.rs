@@ -5,17 +5,17 @@ use std::fs;
 use std::io;
 use std::path::Path;
 
-use crate::FileError;
 use crate::guard::{Id, check_unread, guard_input, id, two_outputs};
 use crate::publish::{folder_of, probe};
+use crate::{Existing, FileError};
 
-/// Refuses, before any long work, an output that cannot be published later: one that exists (without `force`), that is
-/// no regular file, read-only, an input that is named here or was read before, or whose folder is missing or takes no
-/// new file.
+/// Refuses, before any long work, an output that cannot be published later: one that exists ([`Existing::Keep`]), that
+/// is no regular file, read-only, an input that is named here or was read before, or whose folder is missing or takes
+/// no new file.
 ///
 /// # Errors
 /// What [`publish`](crate::publish) would say.
-pub fn check_output(output: &Path, inputs: &[&Path], force: bool) -> Result<(), FileError> {
+pub fn check_output(output: &Path, inputs: &[&Path], existing: Existing) -> Result<(), FileError> {
     inputs.iter().for_each(|input| guard_input(input));
     check_unread(output)?;
     if let Ok(metadata) = fs::metadata(output) {
@@ -27,7 +27,7 @@ pub fn check_output(output: &Path, inputs: &[&Path], force: bool) -> Result<(), 
             }
         }
     }
-    probe(output, force)
+    probe(output, existing)
 }
 
 /// Refuses two outputs that are one file, by way of links or not.

@@ -18,27 +18,27 @@ pub use disk::{names_in, stop_publishing};
 use folder::Folder;
 use left_behind::Temporary;
 
-use crate::FileError;
 use crate::guard::{self, Owner};
+use crate::{Existing, FileError};
 
 /// Bytes gathered before they go to the system.
 const BUFFER_BYTES: usize = 1 << 20;
 
-/// Lets `write` fill a new file at `path`; a link is followed. An existing file is replaced only with `force`; where
-/// anything fails, it is left as it was.
+/// Lets `write` fill a new file at `path`; a link is followed. An existing file is replaced only by
+/// [`Existing::Replace`]; where anything fails, it is left as it was.
 ///
 /// # Errors
 /// [`FileError::Exists`]; [`FileError::NotAFile`] for a folder, pipe or device; [`FileError::ReadOnly`]; a file that
 /// [`guard_inputs`](crate::guard_inputs) protects; write errors.
 pub fn publish(
     path: &Path,
-    force: bool,
+    existing: Existing,
     write: impl FnOnce(&mut dyn Write) -> io::Result<()>,
 ) -> Result<(), FileError> {
-    fill(path, open_folder(path, force, Owner::User)?, force, write)
+    fill(path, open_folder(path, existing, Owner::User)?, existing, write)
 }
 
-/// Publishes a file as [`publish`] by force, for files that the program keeps for itself and reads by
+/// Publishes a file as [`publish`] with [`Existing::Replace`], for files that the program keeps for itself and reads by
 /// [`open_own`](crate::open_own): those of a cache. It replaces the name: where that is a link, the link goes, and what
 /// it leads to stays.
 ///
@@ -48,7 +48,7 @@ pub fn publish_own(
     path: &Path,
     write: impl FnOnce(&mut dyn Write) -> io::Result<()>,
 ) -> Result<(), FileError> {
-    fill(path, open_folder(path, true, Owner::Program)?, true, write)
+    fill(path, open_folder(path, Existing::Replace, Owner::Program)?, Existing::Replace, write)
 }
 
 /// Memory that is there, free, when a file is begun: an allocation that fails ends the process at once, and would leave
@@ -69,12 +69,12 @@ fn check_room(path: &Path) -> Result<(), FileError> {
 fn fill(
     path: &Path,
     (disk, target): (Disk, PathBuf),
-    force: bool,
+    existing: Existing,
     write: impl FnOnce(&mut dyn Write) -> io::Result<()>,
 ) -> Result<(), FileError> {
     check_room(path)?;
     let mut written = None;
-    publish_in(&disk, name_in(&target), force, |file| {
+    publish_in(&disk, name_in(&target), existing, |file| {
         let mut out = BufWriter::with_capacity(BUFFER_BYTES, file);
         write(&mut out)?;
         out.flush()?;
@@ -100,8 +100,8 @@ fn fill(
 ///
 /// # Errors
 /// As [`publish`].
-pub fn probe(path: &Path, force: bool) -> Result<(), FileError> {
-    let (disk, target) = open_folder(path, force, Owner::User)?;
+pub(crate) fn probe(path: &Path, existing: Existing) -> Result<(), FileError> {
+    let (disk, target) = open_folder(path, existing, Owner::User)?;
     let made = match disk.takes_unnamed_file() {
         Ok(false) => Temporary::create(&disk, name_in(&target)).map(drop),
         taken => taken.map(drop),
@@ -114,20 +114,20 @@ pub fn probe(path: &Path, force: bool) -> Result<(), FileError> {
 fn publish_in<F: Folder>(
     folder: &F,
     name: &OsStr,
-    force: bool,
+    existing: Existing,
     write: impl FnOnce(&mut F::File) -> io::Result<()>,
 ) -> io::Result<()> {
     left_behind::remove(folder, name);
     let mut temporary = Temporary::create(folder, name)?;
     write(temporary.file())?;
-    temporary.rename(name, force)?;
+    temporary.rename(name, existing)?;
     // Without this the rename itself may be lost with the power.
     folder.sync_names()
 }
 
 /// The folder to write in, and the path in it. Links of the user are resolved once; what lies there is judged in the
 /// open folder, whatever the path leads to by then.
-fn open_folder(path: &Path, force: bool, owner: Owner) -> Result<(Disk, PathBuf), FileError> {
+fn open_folder(path: &Path, existing: Existing, owner: Owner) -> Result<(Disk, PathBuf), FileError> {
     let not_a_file = |found| FileError::NotAFile { path: path.to_owned(), found };
     let failed = |source| FileError::Write { path: path.to_owned(), source };
     if path.file_name().is_none() {
@@ -165,7 +165,7 @@ fn open_folder(path: &Path, force: bool, owner: Owner) -> Result<(Disk, PathBuf)
         Some(kind) => return Err(not_a_file(kind)),
         None => {}
     }
-    if !force {
+    if existing == Existing::Keep {
         return Err(FileError::Exists { path: path.to_owned() });
     }
     if let Some(mode) = found.read_only {

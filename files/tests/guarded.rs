@@ -4,12 +4,12 @@ use std::fs;
 use std::path::Path;
 
 use flb_files::{
-    FileError, check_output, check_unread, guard_input, guard_inputs, open_own, open_regular, publish,
-    publish_own,
+    Existing, FileError, check_output, check_unread, guard_input, guard_inputs, open_own, open_regular,
+    publish, publish_own,
 };
 
 fn write(path: &Path) -> Result<(), FileError> {
-    publish(path, true, |out| out.write_all(b"new"))
+    publish(path, Existing::Replace, |out| out.write_all(b"new"))
 }
 
 #[test]
@@ -27,7 +27,7 @@ fn what_was_read_or_written_is_not_overwritten_once_the_guard_is_on() {
     open_own(&cached).expect("it is there");
     let detour = folder.path().join("../").join(folder.path().file_name().expect("a name")).join("input");
     for name in [&input, &detour] {
-        for refused in [write(name), check_output(name, &[], true)] {
+        for refused in [write(name), check_output(name, &[], Existing::Replace)] {
             let error = refused.expect_err("it was read");
             assert!(error.is_usage(), "{error}");
             let words = format!("the output {} is the input {} itself", name.display(), input.display());

@@ -2,7 +2,7 @@
 
 use std::sync::mpsc;
 
-use flb_files::{publish, stop_publishing};
+use flb_files::{Existing, publish, stop_publishing};
 
 #[test]
 fn an_interrupted_write_leaves_no_temporary_file_and_goes_no_further() {
@@ -15,7 +15,7 @@ fn an_interrupted_write_leaves_no_temporary_file_and_goes_no_further() {
     let (ended, ends) = mpsc::channel();
     let output = path.clone();
     std::thread::spawn(move || {
-        let outcome = publish(&output, true, |out| {
+        let outcome = publish(&output, Existing::Replace, |out| {
             out.write_all(b"half of it")?;
             begun.send(()).expect("the test waits");
             waits.recv().expect("the test goes on");

@@ -9,7 +9,7 @@ use std::path::Path;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::thread;
 
-use flb_files::{FileError, guard_inputs, open_own, open_regular, publish, publish_own};
+use flb_files::{Existing, FileError, guard_inputs, open_own, open_regular, publish, publish_own};
 use rustix::fs::{CWD, RenameFlags, renameat_with};
 
 /// Writes while a neighbour swaps names. Without a guard some in a hundred of them replaced what a link leads to.
@@ -65,7 +65,7 @@ fn an_input_stays_whenever_a_neighbour_puts_a_link_to_it_in_the_place_of_an_outp
     fs::write(&input, b"precious").expect("writable");
     open_regular(&input).expect("it is there");
     // Whether it is written or refused is the neighbour's matter.
-    while_swapped(folder.path(), &input, |name| drop(publish(name, true, new)));
+    while_swapped(folder.path(), &input, |name| drop(publish(name, Existing::Replace, new)));
 }
 
 #[test]
@@ -83,7 +83,8 @@ fn an_input_that_is_moved_onto_the_name_during_the_work_is_refused_and_stays() {
             symlink(&output, &input)?; // as its name leads there still
             new(out)
         };
-        let refused = if own { publish_own(&output, swap) } else { publish(&output, true, swap) };
+        let refused =
+            if own { publish_own(&output, swap) } else { publish(&output, Existing::Replace, swap) };
         let error = refused.expect_err("it is an input");
         assert!(matches!(error, FileError::OutputIsInput { .. }), "{error}");
         assert_eq!(fs::read(&output).expect("it is there"), b"input");
@@ -93,13 +94,13 @@ fn an_input_that_is_moved_onto_the_name_during_the_work_is_refused_and_stays() {
     // A link that comes meanwhile is replaced itself.
     fs::write(&input, b"input").expect("writable");
     open_regular(&input).expect("it is there");
-    publish(&other, false, new).expect("it is new");
+    publish(&other, Existing::Keep, new).expect("it is new");
     let link = |out: &mut dyn Write| {
         let _ = fs::remove_file(&output); // it may not be there yet
         symlink(&input, &output)?;
         new(out)
     };
-    publish(&output, true, link).expect("the link goes");
+    publish(&output, Existing::Replace, link).expect("the link goes");
     assert_eq!(fs::read(&input).expect("it is there"), b"input");
     assert_eq!(fs::read(&output).expect("it is there"), b"new");
 }
@@ -112,7 +113,7 @@ fn an_input_that_was_read_through_a_link_is_refused_after_the_link_is_gone() {
     fs::write(&input, b"input").and_then(|()| symlink(&input, &link)).expect("writable");
     open_regular(&link).expect("it is there");
     fs::remove_file(&link).and_then(|()| symlink(&input, &output)).expect("links work");
-    publish(&output, true, new).expect_err("it is an input");
+    publish(&output, Existing::Replace, new).expect_err("it is an input");
     // Its number may go to another file, which is an input too, or none.
     for round in 0..50 {
         let (first, second) =
@@ -121,9 +122,9 @@ fn an_input_that_was_read_through_a_link_is_refused_after_the_link_is_gone() {
         open_regular(&first).expect("it is there");
         fs::remove_file(&first).expect("it is ours");
         fs::write(&second, b"second").expect("writable");
-        publish(&second, true, new).expect("it is no input");
+        publish(&second, Existing::Replace, new).expect("it is no input");
         open_regular(&second).expect("it is there");
-        publish(&second, true, new).expect_err("it is an input");
+        publish(&second, Existing::Replace, new).expect_err("it is an input");
     }
 }
 
@@ -140,7 +141,7 @@ fn an_input_in_a_cache_is_not_replaced_by_an_artefact_of_its_name() {
     open_own(&artefact).expect("it is there");
     publish_own(&artefact, new).expect("a cache replaces what is its own");
     open_regular(&input).expect("it is there");
-    publish(&output, false, new).expect("it is new");
+    publish(&output, Existing::Keep, new).expect("it is new");
     for name in [&input, &hard, &output] {
         let error = publish_own(name, new).expect_err("it is the user's");
         assert!(error.is_usage(), "{error}");
@@ -150,6 +151,6 @@ fn an_input_in_a_cache_is_not_replaced_by_an_artefact_of_its_name() {
     symlink(&artefact, &link).expect("links work");
     let error = open_own(&link).expect_err("a link").to_string();
     assert_eq!(error, "found a link, expected a regular file");
-    let error = publish(&artefact, true, new).expect_err("it is no output");
+    let error = publish(&artefact, Existing::Replace, new).expect_err("it is no output");
     assert!(error.is_usage(), "{error}");
 }

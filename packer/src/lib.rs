@@ -35,5 +35,6 @@ mod write;
 
 pub use encode::{CodingPreset, EncodeSettings, EncodedPage, EncodedSection, EncodedSpecies, encode_species};
 pub use error::PackError;
+pub use flb_files::Existing;
 pub use load::{Copier, copy_species, load_species};
 pub use write::{write_library, write_library_to};

@@ -5,7 +5,7 @@ use std::collections::HashMap;
 use std::io::{self, Write};
 use std::path::Path;
 
-use flb_files::{FileError, publish};
+use flb_files::{Existing, FileError, publish};
 use flb_format::container::digest::{self, Root};
 use flb_format::container::records::*;
 
@@ -15,9 +15,9 @@ use crate::{EncodedSection, EncodedSpecies, PackError};
 ///
 /// # Errors
 /// No species, two of one name, a library over the format's limits; what [`publish`] refuses.
-pub fn write_library(path: &Path, species: &[&EncodedSpecies], force: bool) -> Result<u64, PackError> {
+pub fn write_library(path: &Path, species: &[&EncodedSpecies], existing: Existing) -> Result<u64, PackError> {
     let layout = Layout::plan(species)?;
-    publish(path, force, |out| layout.write(out))?;
+    publish(path, existing, |out| layout.write(out))?;
     Ok(layout.header.file_bytes)
 }
 

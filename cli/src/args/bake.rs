@@ -2,8 +2,10 @@
 
 use std::path::PathBuf;
 
-use clap::{Args, ValueEnum};
+use clap::{ArgAction, Args, ValueEnum};
+use flb_files::Existing;
 
+use super::values::existing;
 use super::{CodingArgs, MeshArgs, ModelArgs};
 use flb_format::Quality;
 
@@ -69,8 +71,8 @@ pub(crate) struct BakeArgs {
     #[arg(long, value_name = "DIR")]
     pub cache: Option<PathBuf>,
     /// Overwrite files that are there already
-    #[arg(long)]
-    pub force: bool,
+    #[arg(long = "force", action = ArgAction::SetTrue, value_parser = existing())]
+    pub existing: Existing,
     /// Print the summary as JSON (schema: cli/schema/bake.json)
     #[arg(long)]
     pub json: bool,

@@ -2,11 +2,13 @@
 
 use std::path::PathBuf;
 
-use clap::Args;
+use clap::{ArgAction, Args};
 use flb_baker::SceneSettings;
+use flb_files::Existing;
 use flb_transport::ordinates::NamedSuns;
 
 use super::MemoryArgs;
+use super::values::existing;
 
 #[derive(Args)]
 pub(crate) struct BakeSceneArgs {
@@ -38,8 +40,8 @@ pub(crate) struct BakeSceneArgs {
     #[command(flatten)]
     pub memory: MemoryArgs,
     /// Overwrite the output if it is there already
-    #[arg(long)]
-    pub force: bool,
+    #[arg(long = "force", action = ArgAction::SetTrue, value_parser = existing())]
+    pub existing: Existing,
     /// Print the summary as JSON (schema: cli/schema/bake-scene.json)
     #[arg(long)]
     pub json: bool,

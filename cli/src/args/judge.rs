@@ -2,10 +2,11 @@
 
 use std::path::PathBuf;
 
-use clap::Args;
+use clap::{ArgAction, Args};
 use flb_eval::JudgeSettings;
+use flb_files::Existing;
 
-use super::values::size;
+use super::values::{existing, size};
 use super::{BandArgs, MemoryArgs};
 
 #[derive(Args)]
@@ -47,8 +48,8 @@ pub(crate) struct JudgeArgs {
     #[arg(long, value_name = "WxH", value_parser = size, requires = "picture")]
     pub size: Option<[u32; 2]>,
     /// Overwrite pictures that are there already
-    #[arg(long, requires = "picture")]
-    pub force: bool,
+    #[arg(long = "force", requires = "picture", action = ArgAction::SetTrue, value_parser = existing())]
+    pub existing: Existing,
     /// Print the figures as JSON (schema: cli/schema/judge.json)
     #[arg(long)]
     pub json: bool,

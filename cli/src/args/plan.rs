@@ -2,8 +2,11 @@
 
 use std::path::PathBuf;
 
-use clap::Args;
+use clap::{ArgAction, Args};
+use flb_files::Existing;
 use flb_scene::scene::SunPath;
+
+use super::values::existing;
 
 #[derive(Args)]
 #[command(group(clap::ArgGroup::new("from").required(true).multiple(true).args(["scene", "sun_path", "upright"])))]
@@ -26,8 +29,8 @@ pub(crate) struct PlanArgs {
     #[arg(short, long, value_name = "PLAN.toml|.json")]
     pub output: PathBuf,
     /// Overwrite the output if it is there already
-    #[arg(long)]
-    pub force: bool,
+    #[arg(long = "force", action = ArgAction::SetTrue, value_parser = existing())]
+    pub existing: Existing,
     /// Print what was found as JSON (schema: cli/schema/plan.json)
     #[arg(long)]
     pub json: bool,

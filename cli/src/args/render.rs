@@ -2,12 +2,13 @@
 
 use std::path::PathBuf;
 
-use clap::{Args, ValueEnum};
+use clap::{ArgAction, Args, ValueEnum};
+use flb_files::Existing;
 use flb_render::Indirect;
 use flb_scene::scene::SunHours;
 
 use super::gpu_count::gpu_count;
-use super::values::{angle_pair, exposure, size};
+use super::values::{angle_pair, existing, exposure, size};
 use flb_stage::backend::GpuCount;
 
 use super::{BandArgs, MemoryArgs, SkyArgs};
@@ -108,8 +109,8 @@ pub(crate) struct RenderArgs {
     #[arg(short, long, value_name = "OUT")]
     pub output: PathBuf,
     /// Overwrite the output if it is there already
-    #[arg(long)]
-    pub force: bool,
+    #[arg(long = "force", action = ArgAction::SetTrue, value_parser = existing())]
+    pub existing: Existing,
     /// Print what was written as JSON (schema: cli/schema/render.json)
     #[arg(long)]
     pub json: bool,

@@ -2,7 +2,10 @@
 
 use std::path::PathBuf;
 
-use clap::Args;
+use clap::{ArgAction, Args};
+use flb_files::Existing;
+
+use super::values::existing;
 
 #[derive(Args)]
 #[command(group(clap::ArgGroup::new("amount").required(true).args(["count", "spacing"])))]
@@ -39,8 +42,8 @@ pub(crate) struct ScatterArgs {
     #[arg(short, long, value_name = "SCENE.toml")]
     pub output: PathBuf,
     /// Overwrite the output if it is there already
-    #[arg(long)]
-    pub force: bool,
+    #[arg(long = "force", action = ArgAction::SetTrue, value_parser = existing())]
+    pub existing: Existing,
     /// Print what was scattered as JSON (schema: cli/schema/scatter.json)
     #[arg(long)]
     pub json: bool,

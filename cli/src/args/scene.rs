@@ -2,9 +2,11 @@
 
 use std::path::PathBuf;
 
-use clap::Args;
+use clap::{ArgAction, Args};
+use flb_files::Existing;
 
 use super::scatter::{area, range};
+use super::values::existing;
 
 #[derive(Args)]
 pub(crate) struct SceneArgs {
@@ -40,8 +42,8 @@ pub(crate) struct SceneArgs {
     #[arg(short, long, value_name = "SCENE.toml")]
     pub output: PathBuf,
     /// Overwrite the output if it is there already
-    #[arg(long)]
-    pub force: bool,
+    #[arg(long = "force", action = ArgAction::SetTrue, value_parser = existing())]
+    pub existing: Existing,
     /// Print what was found as JSON (schema: cli/schema/scene.json)
     #[arg(long)]
     pub json: bool,

@@ -2,10 +2,11 @@
 
 use std::path::PathBuf;
 
-use clap::Args;
+use clap::{ArgAction, Args};
+use flb_files::Existing;
 
 use super::MemoryArgs;
-use super::values::{above_0, at_least_0};
+use super::values::{above_0, at_least_0, existing};
 
 #[derive(Args)]
 pub(crate) struct StreamArgs {
@@ -40,8 +41,8 @@ pub(crate) struct StreamArgs {
     #[arg(long, default_value_t = 60.0, value_name = "N", value_parser = above_0)]
     pub fps: f64,
     /// Overwrite the trace if it is there already
-    #[arg(long)]
-    pub force: bool,
+    #[arg(long = "force", action = ArgAction::SetTrue, value_parser = existing())]
+    pub existing: Existing,
     /// Print as JSON (schema: cli/schema/stream.json)
     #[arg(long)]
     pub json: bool,

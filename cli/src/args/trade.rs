@@ -2,9 +2,11 @@
 
 use std::path::PathBuf;
 
-use clap::Args;
+use clap::{ArgAction, Args};
+use flb_files::Existing;
 
 use super::MeshArgs;
+use super::values::existing;
 
 #[derive(Args)]
 pub(crate) struct TradeArgs {
@@ -39,8 +41,8 @@ pub(crate) struct TradeArgs {
     #[arg(long)]
     pub ignore_alpha: bool,
     /// Overwrite files that are there already
-    #[arg(long)]
-    pub force: bool,
+    #[arg(long = "force", action = ArgAction::SetTrue, value_parser = existing())]
+    pub existing: Existing,
     /// Print what was measured as JSON, as in trade.json (schema: cli/schema/trade.json)
     #[arg(long)]
     pub json: bool,

@@ -1,7 +1,15 @@
 //! Values of flags that several commands share.
 
+use clap::builder::{BoolValueParser, TypedValueParser};
+use flb_files::Existing;
+
 /// Most stops of exposure, up and down.
 const MAX_STOPS: f32 = 100.0;
+
+/// Whether `--force` is there.
+pub(super) fn existing() -> impl TypedValueParser<Value = Existing> {
+    BoolValueParser::new().map(|is_forced| if is_forced { Existing::Replace } else { Existing::Keep })
+}
 
 /// Stops of exposure.
 pub(super) fn exposure(text: &str) -> Result<f32, String> {

@@ -2,10 +2,11 @@
 
 use std::path::PathBuf;
 
-use clap::Args;
+use clap::{ArgAction, Args};
+use flb_files::Existing;
 use flb_view::Show;
 
-use super::values::{above_0, angle_pair, exposure, size};
+use super::values::{above_0, angle_pair, existing, exposure, size};
 use super::{BandArgs, MemoryArgs, RenderBackendArg, SkyArgs};
 
 #[derive(Args)]
@@ -61,8 +62,8 @@ pub(crate) struct ViewArgs {
     #[arg(long, value_name = "S", conflicts_with = "screenshot")]
     pub seconds: Option<f64>,
     /// Overwrite the screenshot if it is there already
-    #[arg(long)]
-    pub force: bool,
+    #[arg(long = "force", action = ArgAction::SetTrue, value_parser = existing())]
+    pub existing: Existing,
     /// Print what was seen last as JSON (schema: cli/schema/view.json)
     #[arg(long)]
     pub json: bool,

@@ -50,7 +50,7 @@ pub(crate) fn check_settings(args: &BakeArgs) -> Result<(), Failure> {
     inputs.extend(args.mesh.species.as_deref());
     inputs.extend(args.plan.as_deref());
     for output in [Some(&args.output), args.keep_fields.as_ref()].into_iter().flatten() {
-        check_output(output, &inputs, args.force)?;
+        check_output(output, &inputs, args.existing)?;
     }
     args.cache.as_deref().map_or(Ok(()), check_local)?;
     match &args.keep_fields {

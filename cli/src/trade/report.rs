@@ -4,6 +4,7 @@ use std::path::{Path, PathBuf};
 
 use flb_eval::Trade;
 use flb_eval::trade::{MeshRow, TruthError};
+use flb_files::Existing;
 use serde::Serialize;
 
 use super::plot::{Against, plot};
@@ -194,10 +195,10 @@ fn names() -> Vec<String> {
 }
 
 /// Refuses, before any work, a folder that the files cannot be written to.
-pub(super) fn check_folder(folder: &Path, inputs: &[&PathBuf], force: bool) -> Result<(), Failure> {
+pub(super) fn check_folder(folder: &Path, inputs: &[&PathBuf], existing: Existing) -> Result<(), Failure> {
     let inputs: Vec<&Path> = inputs.iter().map(|path| path.as_path()).collect();
     let names = names();
-    folder::check_folder(folder, &names.iter().map(String::as_str).collect::<Vec<_>>(), &inputs, force)
+    folder::check_folder(folder, &names.iter().map(String::as_str).collect::<Vec<_>>(), &inputs, existing)
 }
 
 /// Refuses to write over what was read: what a mesh names is known once it is read.
@@ -210,12 +211,12 @@ pub(super) fn publish_all(
     report: &Report,
     page: impl Fn(&Report, &str, [&str; 4]) -> String,
     folder: &Path,
-    force: bool,
+    existing: Existing,
 ) -> Result<(), Failure> {
     let files = report.files(page)?;
     let files: Vec<_> =
         files.iter().map(|(name, content)| (name.as_str(), content.clone().into_bytes())).collect();
-    folder::publish_all(folder, &files, force)
+    folder::publish_all(folder, &files, existing)
 }
 
 #[cfg(test)]

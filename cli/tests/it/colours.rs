@@ -3,7 +3,7 @@
 
 use flb_format::Container;
 use flb_format::material_surface::Texel;
-use flb_packer::{EncodeSettings, encode_species, load_species, write_library};
+use flb_packer::{EncodeSettings, Existing, encode_species, load_species, write_library};
 use serde_json::{Value, json};
 
 use crate::flb::{FEW, Folder};
@@ -141,7 +141,7 @@ fn surfaces_in_a_file_that_cannot_be_used_are_told_by_info_and_refused_by_a_pict
         json!([{ "texel": "tint", "reflectance": [2.0, 0.1, 0.1], "transmittance": [0.0, 0.0, 0.0] }]);
     fields.meta.settings.insert("surfaces.materials".to_owned(), too_much);
     let encoded = encode_species(&fields, &EncodeSettings::default(), &|_| Ok(())).expect("it encodes");
-    write_library(&folder.path("odd.flb"), &[&encoded], false).expect("a fresh file");
+    write_library(&folder.path("odd.flb"), &[&encoded], Existing::Keep).expect("a fresh file");
     let said = "settings.surfaces.materials[0].reflectance: 2, expected 0 to 1";
     let info = folder.flb(&["info", "odd.flb", "--json"]).expect_code(0).json();
     fits("info", &info);

@@ -1,7 +1,7 @@
 //! Sizes that no plant has, plants that lie, light that is of another mesh: said aloud, with the flag that mends it.
 
 use flb_format::Container;
-use flb_packer::{EncodeSettings, encode_species, load_species, write_library};
+use flb_packer::{EncodeSettings, Existing, encode_species, load_species, write_library};
 use serde_json::{Value, json};
 
 use crate::flb::{FEW, Folder, PAPER};
@@ -148,7 +148,7 @@ fn a_file_that_does_not_say_its_mesh_is_rendered_with_what_fits() {
     let mut fields = load_species(&container, &bytes, 0).expect("it loads");
     assert!(fields.meta.mesh_blake3.take().is_some(), "a bake says it");
     let old = encode_species(&fields, &EncodeSettings::default(), &|_| Ok(())).expect("it encodes");
-    write_library(&folder.path("old.flb"), &[&old], false).expect("a fresh file");
+    write_library(&folder.path("old.flb"), &[&old], Existing::Keep).expect("a fresh file");
     folder.write("other.obj", format!("# another file\n{}", leaf(1.9))).write("far.obj", leaf(4.0));
     let render = |mesh: &str| {
         let words = ["render", "old.flb", "--mesh", mesh, "-o", "x.png", "--force", "--json"];

@@ -10,9 +10,9 @@ fn an_output_that_is_an_input_is_refused_under_any_name() {
     let path = folder.path().join("a.flb");
     fs::write(&path, b"old").expect("writable");
     let detour = folder.path().join("../").join(folder.path().file_name().expect("a name")).join("a.flb");
-    let error = check_output(&detour, &[&path], true).expect_err("the same file");
+    let error = check_output(&detour, &[&path], Existing::Replace).expect_err("the same file");
     assert!(error.to_string().contains("is the input"), "{error}");
-    check_output(&folder.path().join("b.flb"), &[&path], false).expect("another file");
+    check_output(&folder.path().join("b.flb"), &[&path], Existing::Keep).expect("another file");
 }
 
 #[test]

@@ -13,8 +13,8 @@ use std::path::{Path, PathBuf};
 use std::sync::{Arc, Mutex, PoisonError};
 
 use super::folder::{Folder, Lock};
-use crate::FileError;
 use crate::guard::{self, Id, Owner};
+use crate::{Existing, FileError};
 
 #[cfg(unix)]
 use by_handle::Handle;
@@ -148,8 +148,11 @@ impl Folder for Disk {
         self.check_found(self.handle.id(name)?.as_ref()).map_err(io::Error::other)
     }
 
-    fn rename(&self, from: &OsStr, to: &OsStr, force: bool) -> io::Result<()> {
-        if force { self.handle.rename(from, to) } else { self.handle.rename_new(from, to) }?;
+    fn rename(&self, from: &OsStr, to: &OsStr, existing: Existing) -> io::Result<()> {
+        match existing {
+            Existing::Replace => self.handle.rename(from, to),
+            Existing::Keep => self.handle.rename_new(from, to),
+        }?;
         self.forget(from);
         Ok(())
     }

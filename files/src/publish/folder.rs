@@ -3,6 +3,8 @@
 use std::ffi::{OsStr, OsString};
 use std::io;
 
+use crate::Existing;
+
 /// Who holds the lock of a file.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Lock {
@@ -31,9 +33,9 @@ pub(super) trait Folder {
     fn sync(&self, file: &Self::File) -> io::Result<()>;
     /// Refuses to replace what has this name now, if it is an input or another output.
     fn check(&self, name: &OsStr) -> io::Result<()>;
-    /// Gives a file another name; what has that name is replaced, or, without `force`, an
+    /// Gives a file another name; what has that name is replaced, or with [`Existing::Keep`] is an
     /// [`io::ErrorKind::AlreadyExists`].
-    fn rename(&self, from: &OsStr, to: &OsStr, force: bool) -> io::Result<()>;
+    fn rename(&self, from: &OsStr, to: &OsStr, existing: Existing) -> io::Result<()>;
     /// Removes a name.
     fn remove(&self, name: &OsStr) -> io::Result<()>;
     /// All names that begin with these letters.

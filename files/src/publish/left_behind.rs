@@ -14,6 +14,7 @@ use std::hash::{BuildHasher, RandomState};
 use std::io;
 
 use super::folder::{Folder, Lock};
+use crate::Existing;
 
 /// How the name of a temporary file ends.
 const SUFFIX: &str = ".tmp";
@@ -60,10 +61,10 @@ impl<'f, F: Folder> Temporary<'f, F> {
     }
 
     /// Flushes its content and gives it its name, unless an input has that name by now.
-    pub(super) fn rename(mut self, name: &OsStr, force: bool) -> io::Result<()> {
+    pub(super) fn rename(mut self, name: &OsStr, existing: Existing) -> io::Result<()> {
         self.folder.sync(&self.file)?;
         self.folder.check(name)?;
-        self.folder.rename(&self.name, name, force)?;
+        self.folder.rename(&self.name, name, existing)?;
         self.is_renamed = true;
         Ok(())
     }

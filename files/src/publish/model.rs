@@ -10,6 +10,7 @@ use std::sync::{Arc, Mutex};
 
 use super::folder::{Folder, Lock};
 use super::publish_in;
+use crate::Existing;
 
 const TARGET: &str = "a.flb";
 const LEFT_BEHIND: &str = ".a.flb.flb-leftover.tmp";
@@ -160,9 +161,9 @@ impl Folder for Model {
         if has_input { self.step(check) } else { self.own_step(check) }
     }
 
-    fn rename(&self, from: &OsStr, to: &OsStr, force: bool) -> io::Result<()> {
+    fn rename(&self, from: &OsStr, to: &OsStr, existing: Existing) -> io::Result<()> {
         self.step(|state| {
-            if !force && state.names.contains_key(to) {
+            if existing == Existing::Keep && state.names.contains_key(to) {
                 return Err(io::ErrorKind::AlreadyExists.into());
             }
             let inode = state.names.remove(from).ok_or(io::ErrorKind::NotFound)?;
@@ -206,7 +207,7 @@ fn folder(has_left_behind: bool) -> Arc<Mutex<State>> {
 
 /// Publishes as the writer that dies at a step.
 fn publish(model: &Model, content: &str) -> io::Result<()> {
-    publish_in(model, OsStr::new(TARGET), true, |file| model.write(file, content))
+    publish_in(model, OsStr::new(TARGET), Existing::Replace, |file| model.write(file, content))
 }
 
 /// Two writers of one output, the second of which dies at a step; then a third, alone.

@@ -19,7 +19,7 @@ fn names(folder: &Path) -> Vec<String> {
 fn a_new_file_appears_whole_and_nothing_else_does() {
     let folder = folder();
     let path = folder.path().join("a.flb");
-    publish(&path, false, |out| out.write_all(b"whole")).expect("it is written");
+    publish(&path, Existing::Keep, |out| out.write_all(b"whole")).expect("it is written");
     assert_eq!(fs::read(&path).expect("it is there"), b"whole");
     assert_eq!(names(folder.path()), ["a.flb"]);
 }
@@ -33,7 +33,7 @@ fn a_failed_write_leaves_the_old_file_and_no_rubbish() {
         out.write_all(b"half")?;
         Err(io::Error::from(io::ErrorKind::StorageFull))
     };
-    let error = publish(&path, true, full).expect_err("the disk is full");
+    let error = publish(&path, Existing::Replace, full).expect_err("the disk is full");
     assert!(error.to_string().starts_with(&format!("cannot write {}: ", path.display())), "{error}");
     assert_eq!(fs::read(&path).expect("it is there"), b"old");
     assert_eq!(names(folder.path()), ["a.flb"]);
@@ -44,10 +44,10 @@ fn an_existing_file_is_replaced_only_by_force() {
     let folder = folder();
     let path = folder.path().join("a.flb");
     fs::write(&path, b"old").expect("writable");
-    let error = publish(&path, false, |out| out.write_all(b"new")).expect_err("it exists");
+    let error = publish(&path, Existing::Keep, |out| out.write_all(b"new")).expect_err("it exists");
     assert_eq!(error.to_string(), format!("{}: exists already; use --force to overwrite it", path.display()));
     assert_eq!(fs::read(&path).expect("it is there"), b"old");
-    publish(&path, true, |out| out.write_all(b"new")).expect("force");
+    publish(&path, Existing::Replace, |out| out.write_all(b"new")).expect("force");
     assert_eq!(fs::read(&path).expect("it is there"), b"new");
 }
 
@@ -55,7 +55,7 @@ fn an_existing_file_is_replaced_only_by_force() {
 fn a_file_that_appears_during_the_write_is_not_overwritten() {
     let folder = folder();
     let path = folder.path().join("a.flb");
-    let error = publish(&path, false, |out| {
+    let error = publish(&path, Existing::Keep, |out| {
         fs::write(&path, b"theirs")?;
         out.write_all(b"ours")
     });
@@ -67,8 +67,9 @@ fn a_file_that_appears_during_the_write_is_not_overwritten() {
 #[test]
 fn folders_missing_folders_and_nameless_paths_are_refused() {
     let folder = folder();
-    let write =
-        |path: &Path| publish(path, true, |out| out.write_all(b"x")).expect_err("refused").to_string();
+    let write = |path: &Path| {
+        publish(path, Existing::Replace, |out| out.write_all(b"x")).expect_err("refused").to_string()
+    };
     let text = write(folder.path());
     assert!(text.ends_with("is a folder, expected a regular file or a new name"), "{text}");
     assert!(write(&folder.path().join("none/a.flb")).starts_with("cannot write "));
@@ -80,14 +81,15 @@ fn folders_missing_folders_and_nameless_paths_are_refused() {
 #[test]
 fn devices_and_dangling_links_are_refused_and_good_links_are_followed() {
     let folder = folder();
-    let error = publish(Path::new("/dev/null"), true, |out| out.write_all(b"x")).expect_err("a device");
+    let error =
+        publish(Path::new("/dev/null"), Existing::Replace, |out| out.write_all(b"x")).expect_err("a device");
     assert!(error.to_string().contains("is a pipe, socket or device"), "{error}");
     let link = folder.path().join("link.flb");
     std::os::unix::fs::symlink(folder.path().join("none"), &link).expect("links work");
-    let error = publish(&link, true, |out| out.write_all(b"x")).expect_err("it leads nowhere");
+    let error = publish(&link, Existing::Replace, |out| out.write_all(b"x")).expect_err("it leads nowhere");
     assert!(error.to_string().contains("a link that leads nowhere"), "{error}");
     fs::write(folder.path().join("none"), b"old").expect("writable");
-    publish(&link, true, |out| out.write_all(b"new")).expect("it leads to a file");
+    publish(&link, Existing::Replace, |out| out.write_all(b"new")).expect("it leads to a file");
     assert_eq!(fs::read(folder.path().join("none")).expect("it is there"), b"new");
     assert!(fs::symlink_metadata(&link).expect("the link stays").is_symlink());
 }
@@ -109,7 +111,7 @@ fn what_a_killed_writer_left_is_removed_and_nothing_else() {
         fs::write(folder.path().join(name), b"half").expect("writable");
     }
     fs::create_dir(folder.path().join(".a.flb.flb-folder12.tmp")).expect("writable");
-    publish(&path, false, |out| {
+    publish(&path, Existing::Keep, |out| {
         assert!(!folder.path().join(left).exists(), "it is gone before the disk fills");
         out.write_all(b"whole")
     })
@@ -123,9 +125,9 @@ fn what_a_killed_writer_left_is_removed_and_nothing_else() {
 fn two_writers_of_one_output_leave_each_other_alone() {
     let folder = folder();
     let path = folder.path().join("a.flb");
-    publish(&path, true, |out| {
+    publish(&path, Existing::Replace, |out| {
         out.write_all(b"first, ")?;
-        publish(&path, true, |out| out.write_all(b"second")).expect("it is written meanwhile");
+        publish(&path, Existing::Replace, |out| out.write_all(b"second")).expect("it is written meanwhile");
         assert_eq!(fs::read(&path)?, b"second");
         assert_eq!(names(folder.path()).len(), 2, "the other one's temporary file is in use");
         out.write_all(b"and last")
@@ -153,12 +155,13 @@ fn names_up_to_the_longest_are_published_and_longer_ones_refused_before_the_work
     let folder = folder();
     for length in [237, 238, 250, 255] {
         let path = folder.path().join("n".repeat(length));
-        probe(&path, false).expect("it can be written");
-        publish(&path, false, |out| out.write_all(b"x")).expect("it is written");
-        publish(&path, true, |out| out.write_all(b"y")).expect("it is replaced");
+        probe(&path, Existing::Keep).expect("it can be written");
+        publish(&path, Existing::Keep, |out| out.write_all(b"x")).expect("it is written");
+        publish(&path, Existing::Replace, |out| out.write_all(b"y")).expect("it is replaced");
         assert_eq!(fs::read(&path).expect("it is there"), b"y");
     }
-    let error = probe(&folder.path().join("n".repeat(256)), false).expect_err("too long").to_string();
+    let error =
+        probe(&folder.path().join("n".repeat(256)), Existing::Keep).expect_err("too long").to_string();
     assert!(error.contains("too long"), "{error}");
     assert_eq!(names(folder.path()).len(), 4);
 }
@@ -169,8 +172,8 @@ fn names_that_are_no_text_are_published() {
     use std::os::unix::ffi::OsStrExt;
     let folder = folder();
     let path = folder.path().join(OsStr::from_bytes(b"\xFFa\xFE.flb"));
-    publish(&path, false, |out| out.write_all(b"x")).expect("it is written");
-    publish(&path, true, |out| out.write_all(b"y")).expect("it is replaced");
+    publish(&path, Existing::Keep, |out| out.write_all(b"x")).expect("it is written");
+    publish(&path, Existing::Replace, |out| out.write_all(b"y")).expect("it is replaced");
     assert_eq!(fs::read(&path).expect("it is there"), b"y");
 }
 
@@ -195,7 +198,7 @@ mod unix {
         fs::write(&path, b"old").expect("writable");
         for kept in [0o600, 0o640, 0o664, 0o755] {
             set_mode(&path, kept);
-            publish(&path, true, |out| {
+            publish(&path, Existing::Replace, |out| {
                 let temporary = names(folder.path()).into_iter().find(|name| name.starts_with('.'));
                 let temporary = folder.path().join(temporary.expect("a temporary file"));
                 assert_eq!(mode(&temporary), kept);
@@ -212,7 +215,10 @@ mod unix {
         let path = folder.path().join("a.flb");
         fs::write(&path, b"old").expect("writable");
         set_mode(&path, 0o444);
-        for refused in [probe(&path, true), publish(&path, true, |_| panic!("nothing is written"))] {
+        for refused in [
+            probe(&path, Existing::Replace),
+            publish(&path, Existing::Replace, |_| panic!("nothing is written")),
+        ] {
             let error = refused.expect_err("read-only").to_string();
             assert!(
                 error.ends_with("is read-only (mode 444), expected a file that may be written"),
@@ -232,7 +238,7 @@ mod unix {
             Ok(()) => (12_345, 12_346),
             Err(_) => fs::metadata(&path).map(|found| (found.uid(), found.gid())).expect("it is there"),
         };
-        publish(&path, true, |out| out.write_all(b"new")).expect("it is replaced");
+        publish(&path, Existing::Replace, |out| out.write_all(b"new")).expect("it is replaced");
         let found = fs::metadata(&path).expect("it is there");
         assert_eq!((found.uid(), found.gid()), (owner, group));
     }
@@ -255,9 +261,10 @@ mod unix {
         setxattr(folder.path(), "system.posix_acl_default", &list, XattrFlags::empty())
             .expect("the file system of temporary files has access lists");
         let access = |path: &Path| getxattr(path, "system.posix_acl_access", &mut [0u8; 256][..]).is_ok();
-        publish(&folder.path().join("new.flb"), false, |out| out.write_all(b"new")).expect("it is written");
+        publish(&folder.path().join("new.flb"), Existing::Keep, |out| out.write_all(b"new"))
+            .expect("it is written");
         assert!(access(&folder.path().join("new.flb")), "a new file has what the folder gives");
-        publish(&path, true, |out| out.write_all(b"new")).expect("it is replaced");
+        publish(&path, Existing::Replace, |out| out.write_all(b"new")).expect("it is replaced");
         assert!(!access(&path) && mode(&path) == 0o640);
     }
 
@@ -267,7 +274,7 @@ mod unix {
         let (folder, moved, other) =
             (base.path().join("out"), base.path().join("moved"), base.path().join("other"));
         fs::create_dir(&folder).and_then(|()| fs::create_dir(&other)).expect("writable");
-        publish(&folder.join("a.flb"), true, |out| {
+        publish(&folder.join("a.flb"), Existing::Replace, |out| {
             fs::rename(&folder, &moved)?;
             std::os::unix::fs::symlink(&other, &folder)?;
             out.write_all(b"whole")

@@ -4,7 +4,7 @@ use flb_format::container::payload;
 use flb_format::container::payload::BlockPage;
 use flb_format::sample::site_of;
 use flb_format::{Codec, Field, block, sample};
-use flb_packer::{EncodeSettings, encode_species, write_library};
+use flb_packer::{EncodeSettings, Existing, encode_species, write_library};
 use rayon::prelude::*;
 
 use crate::bc6h;
@@ -122,7 +122,7 @@ pub(crate) fn zfp(plant: &Plant, psnr_db: f64) -> Option<f64> {
     let settings = EncodeSettings { codec: Codec::RawF32, ..EncodeSettings::papers() };
     let coded =
         encode_species(&plant.fields, &settings, &|_| Ok(())).expect("fields that were solved or read");
-    write_library(&path, &[&coded], false).expect("the temporary folder is writable");
+    write_library(&path, &[&coded], Existing::Keep).expect("the temporary folder is writable");
     let script = concat!(env!("CARGO_MANIFEST_DIR"), "/zfp/compare.py");
     let run = std::process::Command::new(python)
         .arg(script)
