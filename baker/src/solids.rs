@@ -22,7 +22,7 @@ use flb_format::{Field, Medium};
 use flb_scene::ClassedMesh;
 use flb_scene::extents::has_walls;
 use flb_scene::rays::{RayMesh, RayMeshError};
-use flb_transport::ordinates::{TotalLight, spread};
+use flb_transport::ordinates::{Spread, TotalLight};
 use rayon::prelude::*;
 
 use crate::crown::{Received, SeenSky};
@@ -88,6 +88,7 @@ impl Solids<'_> {
             }
         };
         let fit = fit::Fit::new(self, &places, &gathered);
+        let spread = Spread::new(fit.sites(), self.turbid.grid.lattice);
         let items = &self.total.items;
         let (mut far, mut near): (Vec<_>, Vec<_>) = fields
             .iter_mut()
@@ -95,13 +96,13 @@ impl Solids<'_> {
             .partition(|(column, _)| column.is_some());
         if let Some(on_solids) = near::NearOnSolids::new(self, &places, &fit, &gathered) {
             let mut near: Vec<&mut Field> = near.iter_mut().map(|(_, field)| &mut **field).collect();
-            on_solids.carry_on(&fit, &mut near, &mut gathered);
+            on_solids.carry_on(&fit, &spread, &mut near, &mut gathered);
         }
         far.par_iter_mut().for_each(|(column, field)| {
             let Some(column) = *column else { return };
             for band in 0..field.bands {
                 let values = fit.values(field.band(band), column, band as usize, &gathered);
-                spread(fit.sites(), &values, field, band);
+                spread.write(&values, field, band);
             }
         });
         progress(1.0)?;

@@ -19,7 +19,9 @@
 //!
 //! For the last two, a few suns are solved and held out: they tell what the fit or the blend is off.
 
+mod band;
 mod error;
+mod first;
 mod fit;
 mod icosahedron;
 mod lanes;
@@ -28,6 +30,7 @@ mod moments;
 mod named;
 mod refine;
 mod scatter;
+mod smooth;
 mod source_iteration;
 mod spread;
 mod suns;
@@ -41,7 +44,7 @@ pub use flb_format::light::{FieldKind, SunBasis};
 pub use flb_format::ordinates::{MAX_RAYS, Ordinate, Ordinates, rays_for};
 pub use icosahedron::{ico12, ico42};
 pub use named::NamedSuns;
-pub use spread::spread;
+pub use spread::Spread;
 pub use total::TotalLight;
 
 use std::borrow::Cow;
@@ -55,10 +58,11 @@ use flb_format::sun::{SunBlend, harmonics};
 use rayon::prelude::*;
 
 use crate::turbid::BandScatter;
+use band::{Band, Own};
 use lanes::LANES;
 use march::March;
 use refine::Refined;
-use scatter::{Band, Lit, Own};
+use scatter::{Lit, Scattering};
 
 /// Fields to solve for, and the resolution of the solve.
 #[derive(Debug, Clone, PartialEq)]
@@ -84,7 +88,7 @@ pub struct OrdinatesSettings {
 }
 
 /// Bands that are solved at once; more would only cost memory.
-const BANDS_AT_ONCE: usize = 4;
+const BANDS_AT_ONCE: usize = fit::MAX_BANDS;
 
 impl Default for OrdinatesSettings {
     fn default() -> OrdinatesSettings {
@@ -208,8 +212,7 @@ pub fn solve_among(
     progress(0.0)?;
     let Surroundings { below, albedos, transmitted } = *surroundings;
     let plan = suns::SolvePlan::new(settings);
-    let near = near(medium, &sites, settings.suns.needs_single());
-    let beams: Vec<NearBeam> = plan.suns.par_iter().map(|sun| near.beam(sun.towards, BEAM_RAYS)).collect();
+    let beams = beams_of(&near(medium, &sites, settings.suns.needs_single()), &plan.suns);
     progress(0.1)?;
     let refined = (settings.parts > 1).then(|| Refined::new(medium, &sites));
     let (fine, fine_sites) =
@@ -222,17 +225,19 @@ pub fn solve_among(
         Some(_) => fine_beams.iter().collect(),
         None => beams.iter().map(|near| &near.beam).collect(),
     };
-    let march = March::new(fine, fine_sites, settings.ordinates, settings.rays);
+    let mut march = Some(March::new(fine, fine_sites, settings.ordinates, settings.rays));
     let mean_of = |values: Vec<f32>| match &refined {
         Some(refined) => refined.means(&values),
         None => values,
     };
-    let sky =
-        settings.sky().then(|| mean_of(march.sky::<1>(below).into_iter().map(|[fluence]| fluence).collect()));
+    let sky = march.as_ref().filter(|_| settings.sky());
+    let sky = sky.map(|march| mean_of(march.sky::<1>(below).into_iter().map(|[fluence]| fluence).collect()));
     progress(0.2)?;
 
     let items = settings.items();
-    let mut fields: Vec<Field> = vec![Field::zeros(medium.grid.lattice, bands.len() as u32); items.len()];
+    // Memory that is not written to is none.
+    let zeros = || Field::zeros(medium.grid.lattice, bands.len() as u32);
+    let mut fields: Vec<Field> = items.iter().map(|_| zeros()).collect();
     let mut reports = Vec::new();
     let far = |item: &u8| settings.suns.first_near_item().is_none_or(|near| *item < near);
     let mut total = TotalLight {
@@ -241,39 +246,36 @@ pub fn solve_among(
         near: total::of_near(&plan, &beams, settings),
         open_sky: Vec::new(),
     };
+    let spread = Spread::new(&sites, medium.grid.lattice);
     for (at, some) in bands.chunks(BANDS_AT_ONCE).enumerate() {
         let made = |share: f64| {
             let before = (at * BANDS_AT_ONCE) as f64;
             progress(0.2 + 0.8 * (before + share * some.len() as f64) / bands.len() as f64)
         };
-        let some: Vec<Band> = some
-            .iter()
-            .zip(at * BANDS_AT_ONCE..)
-            .map(|(scatter, band)| {
-                let albedos = albedos.map(|albedos| match &refined {
-                    Some(refined) => Cow::Owned(refined.to_parts(&albedos[band])),
-                    None => Cow::Borrowed(&albedos[band]),
-                });
-                let transmitted = transmitted.map(|transmitted| match &refined {
-                    Some(refined) => Cow::Owned(refined.to_parts(&transmitted[band])),
-                    None => Cow::Borrowed(&transmitted[band]),
-                });
-                let own = Own {
-                    albedos: albedos.as_ref().map(|albedos| albedos.as_slice()),
-                    transmitted: transmitted.as_ref().map(|transmitted| transmitted.as_slice()),
-                };
-                Band::new(fine, fine_sites, scatter, &own)
-            })
-            .collect();
-        let lit = scatter::scatter(&march, &some, &marched, below, settings, &made)?;
-        for (of_chunk, mut lit) in lit.into_iter().enumerate() {
-            lit.light.par_iter_mut().for_each(|light| *light = mean_of(std::mem::take(light)));
-            let band = (at * BANDS_AT_ONCE + of_chunk) as u32;
+        let band = |(band, scatter): (usize, &BandScatter)| {
+            let albedos = albedos.map(|albedos| of_parts(&albedos[band], refined.as_ref()));
+            let transmitted = transmitted.map(|transmitted| of_parts(&transmitted[band], refined.as_ref()));
+            let own = Own { albedos: albedos.as_deref(), transmitted: transmitted.as_deref() };
+            Band::new(fine, fine_sites, scatter, &own)
+        };
+        let some: Vec<Band> = (at * BANDS_AT_ONCE..).zip(some).map(band).collect();
+        let mut lit = {
+            let march = march.as_ref().expect("it goes after the last bands");
+            let (plan, beams) = (&plan, marched.as_slice());
+            Scattering { march, plan, beams, below, settings, may_be_smooth: true }.scatter(&some, &made)?
+        };
+        // The rays take as much memory as the fields.
+        march = march.filter(|_| (at + 1) * BANDS_AT_ONCE < bands.len());
+        lit.iter_mut().for_each(|lit| {
+            lit.light.par_iter_mut().for_each(|light| *light = mean_of(std::mem::take(light)))
+        });
+        let fits = fits_of(&lit, &plan, &beams, settings);
+        for ((band, lit), fit) in (at * BANDS_AT_ONCE..).zip(lit).zip(fits) {
             total.values.push(total::of_light(&lit, &plan, &beams, sky.as_deref(), settings));
-            let (values, report) = fields_of(band, lit, &plan, &beams, sky.as_deref(), settings);
+            let (values, report) = fields_of(band as u32, lit, fit, &plan, &beams, sky.as_deref(), settings);
             reports.push(report);
             fields.par_iter_mut().zip(values).for_each(|(field, values)| {
-                spread::spread(&sites, &values, field, band);
+                spread.write(&values, field, band as u32);
             });
         }
     }
@@ -291,10 +293,44 @@ pub fn near<'m>(medium: &'m TurbidMedium, sites: &'m [u32], single: bool) -> Nea
     }
 }
 
-/// The fields of one band, `[field][site]`.
+/// Values of sites, for their parts if they are cut.
+fn of_parts<'a, T: Copy>(of_sites: &'a [T], refined: Option<&Refined>) -> Cow<'a, [T]> {
+    refined.map_or(Cow::Borrowed(of_sites), |refined| Cow::Owned(refined.to_parts(of_sites)))
+}
+
+/// The near beams of all suns.
+fn beams_of(near: &Near, suns: &[Sun]) -> Vec<NearBeam> {
+    let beams: Vec<Beam> = suns.par_iter().map(|sun| near.uncollided(sun.towards, BEAM_RAYS)).collect();
+    let means = |some: &[Beam]| {
+        let means: Vec<&[f32]> = some.iter().map(|beam| beam.mean.as_slice()).collect();
+        near.around_each(&means)
+    };
+    let around: Vec<_> = beams.par_chunks(beam::single::BESIDE).flat_map_iter(means).collect();
+    let single = near.is_single();
+    beams.into_iter().zip(around).map(|(beam, around)| NearBeam { beam, around, single }).collect()
+}
+
+/// Fits each band, where the suns are harmonics.
+fn fits_of(
+    lit: &[Lit],
+    plan: &suns::SolvePlan,
+    beams: &[NearBeam],
+    settings: &OrdinatesSettings,
+) -> Vec<Option<Vec<Vec<f32>>>> {
+    let SunBasis::Harmonics { degree, single } = settings.suns else {
+        return lit.iter().map(|_| None).collect();
+    };
+    let fitted = plan.fitted();
+    let lights: Vec<&[Vec<f32>]> = lit.iter().map(|lit| &lit.light[..fitted]).collect();
+    let terms = Terms { degree, single };
+    fit::fit(&plan.suns[..fitted], terms, &beams[..fitted], &lights).into_iter().map(Some).collect()
+}
+
+/// The fields of one band, `[field][site]`; `fit` are those that are fitted.
 fn fields_of(
     band: u32,
     lit: Lit,
+    fit: Option<Vec<Vec<f32>>>,
     plan: &suns::SolvePlan,
     beams: &[NearBeam],
     sky: Option<&[f32]>,
@@ -324,7 +360,7 @@ fn fields_of(
         }
         &SunBasis::Harmonics { degree, single } => {
             let terms = Terms { degree, single };
-            let mut fit = fit::fit(&plan.suns[..fitted], terms, &beams[..fitted], &light[..fitted]);
+            let mut fit = fit.expect("harmonics are fitted");
             judged_by(&|i| evaluate(&fit, terms, plan.suns[i].towards, &beams[i]));
             if settings.field == FieldKind::Total {
                 fit[harmonics::count(degree)].iter_mut().for_each(|of_beam| *of_beam += 1.0);

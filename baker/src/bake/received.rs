@@ -4,7 +4,7 @@
 use flb_format::Field;
 use flb_format::beam::BEAM_RAYS;
 use flb_format::light::SunBasis;
-use flb_transport::ordinates::{self, TotalLight, near};
+use flb_transport::ordinates::{Spread, TotalLight, near};
 use rayon::prelude::*;
 
 use crate::crown::{Crown, Received, Recollision};
@@ -27,6 +27,7 @@ pub(crate) fn on_matter(
     let sites = turbid.sites();
     let kind = |site: u32| usize::from(turbid.leaf_per_m[site as usize] <= 0.0);
     let near = near(turbid, &sites, false);
+    let spread = Spread::new(&sites, turbid.grid.lattice);
     fields.par_iter_mut().for_each(|(item, field)| {
         let beam: Option<Vec<f32>> = beam_of(*item, suns).map(|beam| match beam {
             OwnBeam::Coefficient => vec![1.0; sites.len()],
@@ -45,7 +46,7 @@ pub(crate) fn on_matter(
                 }
             };
             let values: Vec<f32> = sites.iter().enumerate().map(value).collect();
-            ordinates::spread(&sites, &values, field, band);
+            spread.write(&values, field, band);
         }
     });
 }

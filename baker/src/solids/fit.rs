@@ -82,10 +82,9 @@ impl Fit {
         self.corners[side].iter().map(|&(place, weight)| (self.sites[place as usize] as usize, weight))
     }
 
-    /// Those of the known sites that hold leaves, with the values of a band.
-    pub(super) fn of_leaves(&self, received: &[f32]) -> (Vec<u32>, Vec<f32>) {
-        let leaves = self.sites.iter().zip(&self.leaves).filter(|(_, leaf)| **leaf);
-        leaves.map(|(&site, _)| (site, received[site as usize])).unzip()
+    /// Those of the known sites that hold leaves.
+    pub(super) fn leaf_sites(&self) -> Vec<u32> {
+        self.sites.iter().zip(&self.leaves).filter(|(_, leaf)| **leaf).map(|(&site, _)| site).collect()
     }
 
     /// Their values in one band of a field: `received` by the leaves of every site, and at solids the `column` of what

@@ -7,7 +7,7 @@
 //! all of its light stood out of them at every edge.
 
 use flb_format::Field;
-use flb_transport::ordinates::spread;
+use flb_transport::ordinates::Spread;
 use rayon::prelude::*;
 
 use super::fit::Fit;
@@ -58,12 +58,22 @@ impl NearOnSolids {
     }
 
     /// Carries the coefficients of leaves on to solids, in the fields of the means, and takes what they give from what
-    /// was gathered.
-    pub(super) fn carry_on(&self, fit: &Fit, near: &mut [&mut Field], gathered: &mut Gathered) {
+    /// was gathered. `of_all` spreads values at the sites of `fit`.
+    pub(super) fn carry_on(
+        &self,
+        fit: &Fit,
+        of_all: &Spread,
+        near: &mut [&mut Field],
+        gathered: &mut Gathered,
+    ) {
+        let Some(lattice) = near.first().map(|field| field.lattice) else { return };
+        let sites = fit.leaf_sites();
+        let of_leaves = Spread::new(&sites, lattice);
         near.par_iter_mut().for_each(|field| {
             for band in 0..field.bands {
-                let (sites, values) = fit.of_leaves(field.band(band));
-                spread(&sites, &values, field, band);
+                let of_band = field.band(band);
+                let values: Vec<f32> = sites.iter().map(|&site| of_band[site as usize]).collect();
+                of_leaves.write(&values, field, band);
             }
         });
         let shares = self.shares(fit, near, gathered);
@@ -72,7 +82,7 @@ impl NearOnSolids {
                 let of_band = field.band(band);
                 let share = |(&site, share): (&u32, &f32)| share * of_band[site as usize];
                 let values: Vec<f32> = fit.sites().iter().zip(&shares).map(share).collect();
-                spread(fit.sites(), &values, field, band);
+                of_all.write(&values, field, band);
             }
         });
         self.take_from(fit, near, gathered);

@@ -106,6 +106,11 @@ impl<'m> Near<'m> {
         NearBeam { beam, around, single: self.axes.is_some() }
     }
 
+    /// Whether its means hold the light scattered once.
+    pub fn is_single(&self) -> bool {
+        self.axes.is_some()
+    }
+
     /// The beam alone.
     pub fn uncollided(&self, towards_sun: [f64; 3], rays: u32) -> Beam {
         uncollided(self.medium, &self.places, self.sites, towards_sun, rays)
@@ -114,12 +119,21 @@ impl<'m> Near<'m> {
     /// Returns the means of a beam around each site, from its mean within each site, in the order of
     /// [`NearBeam::around`]. They are linear in the beam: those of a sum of beams are the sums of theirs.
     pub fn around(&self, mean: &[f32]) -> Vec<Vec<f32>> {
-        let over_cube = |(reach, inverse): &(u32, Vec<f64>)| -> Vec<f32> {
+        self.around_each(&[mean]).remove(0)
+    }
+
+    /// Returns the means of several beams, as [`Near::around`] gives those of one. Up to [`single::BESIDE`] together
+    /// take little more than one alone.
+    pub fn around_each(&self, beams: &[&[f32]]) -> Vec<Vec<Vec<f32>>> {
+        let over_cube = |mean: &[f32], (reach, inverse): &(u32, Vec<f64>)| -> Vec<f32> {
             let sums = cube_sums(self.medium, self.sites, mean, *reach);
             sums.iter().zip(inverse).map(|(sum, inverse)| (sum * inverse) as f32).collect()
         };
-        let mut around: Vec<Vec<f32>> = self.cubes.iter().map(over_cube).collect();
-        around.extend(self.axes.as_ref().map(|axes| scattered_once(axes, mean)));
+        let over_cubes = |mean: &&[f32]| self.cubes.iter().map(|cube| over_cube(mean, cube)).collect();
+        let mut around: Vec<Vec<Vec<f32>>> = beams.iter().map(over_cubes).collect();
+        if let Some(axes) = &self.axes {
+            around.iter_mut().zip(scattered_once(axes, beams)).for_each(|(around, once)| around.push(once));
+        }
         around
     }
 }

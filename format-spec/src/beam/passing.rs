@@ -30,7 +30,7 @@ impl Passing {
 }
 
 /// Number of rays side by side.
-pub(super) const LANES: usize = 4;
+pub(super) const LANES: usize = 8;
 
 /// One number of each ray.
 pub(super) type Lanes = [f32; LANES];
@@ -87,8 +87,8 @@ impl Passings {
 
 /// Sums the lanes in their order by halves.
 #[inline(always)]
-pub(super) fn sum([a, b, c, d]: Lanes) -> f32 {
-    (a + b) + (c + d)
+pub(super) fn sum([a, b, c, d, e, f, g, h]: Lanes) -> f32 {
+    ((a + b) + (c + d)) + ((e + f) + (g + h))
 }
 
 #[cfg(test)]
@@ -103,8 +103,8 @@ mod tests {
         let is_near = |found: f32, expected: f32, s: f32| {
             assert!((found - expected).abs() < 5e-7, "{found}, expected {expected}, at {s}");
         };
-        for four in depths.chunks(LANES) {
-            let lane = |at: usize| four.get(at).copied().unwrap_or(0.0);
+        for some in depths.chunks(LANES) {
+            let lane = |at: usize| some.get(at).copied().unwrap_or(0.0);
             let found = Passings::new(std::array::from_fn(lane));
             for at in 0..LANES {
                 let (s, expected) = (lane(at), Passing::new(lane(at)));

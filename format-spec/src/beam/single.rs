@@ -4,6 +4,9 @@
 //!
 //! It is marched along the 110 ordinates; 18 tell nothing, 50 a little less.
 
+use prefetch_index::prefetch_index;
+use pulp::{Arch, NullaryFnOnce};
+
 use crate::ordinates::{Ordinate, Ordinates, rays_for};
 use crate::turbid::TurbidMedium;
 
@@ -24,6 +27,9 @@ struct Segment {
 }
 
 const LAST: u32 = 1 << 31;
+
+/// Visits between the fetching of a place and its own.
+const AHEAD: usize = 16;
 
 /// Rays per site edge along each ordinate: with four, a mean over so many directions gains nothing.
 pub const fn rays(lattice: u32) -> u32 {
@@ -58,17 +64,23 @@ impl OrdinateTracks {
     }
 
     /// Adds to `excess` what arrives beyond phi_0 itself, from both ends.
-    fn march(&self, source: &[f32], excess: &mut [f32]) {
-        let mut light = 0.0;
-        for segment in &self.segments {
+    #[inline(always)]
+    fn march<const L: usize>(&self, source: &[[f32; L]], excess: &mut [[f32; L]]) {
+        let mut light = [0.0; L];
+        let place = |at: usize| self.segments.get(at).map_or(0, |segment| segment.place & !LAST) as usize;
+        for (at, segment) in self.segments.iter().enumerate() {
+            prefetch_index(source, place(at + AHEAD));
+            prefetch_index(&*excess, place(at + AHEAD));
             cross(segment, source, excess, &mut light);
             if segment.place & LAST != 0 {
-                light = 0.0;
+                light = [0.0; L];
             }
         }
-        for segment in self.segments.iter().rev() {
+        for (at, segment) in self.segments.iter().enumerate().rev() {
+            prefetch_index(source, place(at.wrapping_sub(AHEAD)));
+            prefetch_index(&*excess, place(at.wrapping_sub(AHEAD)));
             if segment.place & LAST != 0 {
-                light = 0.0;
+                light = [0.0; L];
             }
             cross(segment, source, excess, &mut light);
         }
@@ -76,17 +88,92 @@ impl OrdinateTracks {
 }
 
 #[inline(always)]
-fn cross(segment: &Segment, source: &[f32], excess: &mut [f32], light: &mut f32) {
+fn cross<const L: usize>(
+    segment: &Segment,
+    source: &[[f32; L]],
+    excess: &mut [[f32; L]],
+    light: &mut [f32; L],
+) {
     let place = (segment.place & !LAST) as usize;
-    let beyond = *light - source[place];
-    *light = source[place] + beyond * segment.transmittance;
-    excess[place] += beyond * segment.adds;
+    let (source, excess) = (&source[place], &mut excess[place]);
+    for lane in 0..L {
+        let beyond = light[lane] - source[lane];
+        light[lane] = source[lane] + beyond * segment.transmittance;
+        excess[lane] += beyond * segment.adds;
+    }
 }
 
-/// Returns the light scattered once at each non-empty site, from the mean of the beam in each.
-pub fn scattered_once(axes: &[OrdinateTracks], beam: &[f32]) -> Vec<f32> {
+/// Beams that are marched side by side.
+pub const BESIDE: usize = 8;
+
+/// Returns the light scattered once at each non-empty site, from the mean of the beam in each; of several beams,
+/// [`BESIDE`] at a time. The bits of a beam's do not depend on the others.
+pub fn scattered_once(axes: &[OrdinateTracks], beams: &[&[f32]]) -> Vec<Vec<f32>> {
+    let of_some = |some: &[&[f32]]| match some.len() {
+        1 => beside::<1>(axes, some),
+        _ => beside::<BESIDE>(axes, some),
+    };
+    beams.chunks(BESIDE).flat_map(of_some).collect()
+}
+
+/// Up to `L` beams side by side.
+fn beside<const L: usize>(axes: &[OrdinateTracks], beams: &[&[f32]]) -> Vec<Vec<f32>> {
+    let sites = beams[0].len();
+    let source: Vec<[f32; L]> = (0..sites)
+        .map(|site| std::array::from_fn(|lane| beams.get(lane).map_or(0.0, |beam| beam[site])))
+        .collect();
     // The weights of a site's segments sum to 1, so that the source function itself needs no march.
-    let mut excess = vec![0.0; beam.len()];
-    axes.iter().for_each(|axis| axis.march(beam, &mut excess));
-    excess.iter().zip(beam).map(|(excess, beam)| (excess + beam).max(0.0)).collect()
+    let mut excess = vec![[0.0; L]; sites];
+    axes.iter()
+        .for_each(|axis| Arch::new().dispatch(MarchJob { axis, source: &source, excess: &mut excess }));
+    let of_lane = |lane: usize| {
+        excess.iter().zip(&source).map(|(excess, beam)| (excess[lane] + beam[lane]).max(0.0)).collect()
+    };
+    (0..beams.len()).map(of_lane).collect()
+}
+
+/// [`OrdinateTracks::march`], compiled for the SIMD of this machine.
+struct MarchJob<'a, const L: usize> {
+    axis: &'a OrdinateTracks,
+    source: &'a [[f32; L]],
+    excess: &'a mut [[f32; L]],
+}
+
+impl<const L: usize> NullaryFnOnce for MarchJob<'_, L> {
+    type Output = ();
+
+    #[inline(always)]
+    fn call(self) {
+        self.axis.march(self.source, self.excess);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::near::Near;
+    use super::super::uncollided::tests::{DIRECTIONS, media, unit};
+    use super::*;
+
+    #[test]
+    fn beams_side_by_side_have_the_bits_of_each_alone_and_of_any_simd() {
+        for medium in media() {
+            let sites = medium.sites();
+            let near = Near::new(&medium, &sites, true);
+            let beams: Vec<Vec<f32>> =
+                DIRECTIONS.iter().map(|sun| near.uncollided(unit(*sun), 1).mean).collect();
+            let all: Vec<&[f32]> = beams.iter().map(Vec::as_slice).collect();
+            let together = near.around_each(&all);
+            assert_eq!(together.len(), beams.len());
+            for (beam, together) in beams.iter().zip(together) {
+                assert!(near.around(beam) == together);
+            }
+            let places = Sites::new(&medium.grid, &sites);
+            let axis = OrdinateTracks::lay(&medium, &places, &sites, &axes()[7]);
+            let source: Vec<[f32; 2]> = beams[0].iter().zip(&beams[1]).map(|(a, b)| [*a, *b]).collect();
+            let (mut plain, mut wide) = (vec![[0.0; 2]; sites.len()], vec![[0.0; 2]; sites.len()]);
+            axis.march(&source, &mut plain);
+            Arch::new().dispatch(MarchJob { axis: &axis, source: &source, excess: &mut wide });
+            assert!(plain == wide);
+        }
+    }
 }

@@ -1,10 +1,12 @@
 //! Light of a sun that no site has scattered yet: the mean of exp(-optical depth) over each site.
 
+use pulp::{Arch, NullaryFnOnce};
+
 use crate::turbid::TurbidMedium;
 
 use super::passing::{LANES, Passings, sum};
 use super::sites::Sites;
-use super::sweep::Sweep;
+use super::sweep::{Span, Sweep, Way};
 
 /// Uncollided fluence of one sun within each non-empty site.
 #[derive(Debug, Clone, PartialEq)]
@@ -35,10 +37,41 @@ pub fn uncollided(
     let mut light = vec![1.0_f32; rows * columns];
     let axes = sweep.axes;
     let travel = axes.map(|axis| travel[axis] as f32);
-    let way = sweep.way();
+    let (way, arch) = (sweep.way(), Arch::new());
     sweep.visit(|place, across, along| {
         let depth = depth[place as usize];
-        // Sums over the crossings: length, light, light x offset from the site's centre along `axes`.
+        let [length, mean, offsets @ ..] =
+            arch.dispatch(SiteJob { depth, across, along, way, travel, light: &mut light, columns });
+        beam.mean[place as usize] = mean / length;
+        // Over a unit cube, offsets have a variance of 1/12 along each axis. Every site is crossed in its middle layer.
+        for (axis, offset) in axes.into_iter().zip(offsets) {
+            beam.slope[place as usize][axis] = 12.0 * offset / length;
+        }
+    });
+    beam
+}
+
+/// All rays that cross a site, compiled for the SIMD of this machine. Gives sums over the crossings: length, light,
+/// light x offset from the site's centre along the axes of the sweep.
+struct SiteJob<'a> {
+    /// Optical depth per site edge.
+    depth: f32,
+    across: &'a Span,
+    along: &'a Span,
+    way: Way,
+    /// Direction of travel along the axes of the sweep.
+    travel: [f32; 3],
+    /// Light of each ray, row after row.
+    light: &'a mut [f32],
+    columns: usize,
+}
+
+impl NullaryFnOnce for SiteJob<'_> {
+    type Output = [f32; 5];
+
+    #[inline(always)]
+    fn call(self) -> [f32; 5] {
+        let SiteJob { depth, across, along, way, travel, light, columns } = self;
         let mut sums = [[0.0_f32; LANES]; 5];
         for (row, [enter, leave, start]) in across.rays() {
             let rays = &mut light[row * columns + along.first..][..along.enter.len()];
@@ -47,35 +80,30 @@ pub fn uncollided(
             let (leaves, starts) = (along.leave.as_chunks::<LANES>().0, along.start.as_chunks::<LANES>().0);
             for (((rays, enters), leaves), starts) in rays.zip(enters).zip(leaves).zip(starts) {
                 let mut lengths = [0.0; LANES];
-                let mut offsets = [[0.0; 3]; LANES];
+                let mut offsets = [[0.0; LANES]; 3];
                 for lane in 0..LANES {
                     let from = if enters[lane] > enter { enters[lane] } else { enter };
                     let to = if leaves[lane] < leave { leaves[lane] } else { leave };
                     lengths[lane] = way.length(from, to);
-                    offsets[lane] = way.middle(from, to, [start, starts[lane]]);
+                    [offsets[0][lane], offsets[1][lane], offsets[2][lane]] =
+                        way.middle(from, to, [start, starts[lane]]);
                 }
                 let passings = Passings::new(lengths.map(|length| depth * length));
                 for lane in 0..LANES {
-                    let (length, offset) = (lengths[lane], offsets[lane]);
+                    let length = lengths[lane];
                     let (mean, lean) = (passings.mean[lane], passings.lean[lane] * length);
                     let lit = rays[lane] * length;
                     sums[0][lane] += length;
                     sums[1][lane] += lit * mean;
                     for i in 0..3 {
-                        sums[2 + i][lane] += lit * (mean * offset[i] + lean * travel[i]);
+                        sums[2 + i][lane] += lit * (mean * offsets[i][lane] + lean * travel[i]);
                     }
                     rays[lane] *= passings.transmittance[lane];
                 }
             }
         }
-        let [length, mean, offsets @ ..] = sums.map(sum);
-        beam.mean[place as usize] = mean / length;
-        // Over a unit cube, offsets have a variance of 1/12 along each axis. Every site is crossed in its middle layer.
-        for (axis, offset) in axes.into_iter().zip(offsets) {
-            beam.slope[place as usize][axis] = 12.0 * offset / length;
-        }
-    });
-    beam
+        sums.map(sum)
+    }
 }
 
 /// Optical depth of an edge of each non-empty site, for light along a unit direction or back.

@@ -36,17 +36,25 @@ pub struct Terms {
     pub single: bool,
 }
 
-/// Fits the fields of one band. `light` and `near` have one entry per sun. Gives `[field][site]`: harmonics, then
-/// the near beam's.
-pub(super) fn fit(suns: &[Sun], terms: Terms, near: &[NearBeam], light: &[Vec<f32>]) -> Vec<Vec<f32>> {
-    let (harmonics_count, sites) = (harmonics::count(terms.degree), light[0].len());
+/// Most bands that are fitted at once.
+pub(super) const MAX_BANDS: usize = 4;
+
+/// Fits the fields of up to [`MAX_BANDS`] bands, which share what is to be inverted. `near` has one entry per sun,
+/// `light` one per band and sun. Gives `[band][field][site]`: harmonics, then the near beam's.
+pub(super) fn fit(
+    suns: &[Sun],
+    terms: Terms,
+    near: &[NearBeam],
+    light: &[&[Vec<f32>]],
+) -> Vec<Vec<Vec<f32>>> {
+    let (harmonics_count, sites) = (harmonics::count(terms.degree), near[0].beam.mean.len());
     let unknowns = harmonics_count + means(terms.single);
     let values: Vec<_> = suns.iter().map(|sun| harmonics::evaluate(sun.towards)).collect();
-    let solved: Vec<[f32; MAX_VALUES]> = (0..sites)
+    let solved: Vec<[[f32; MAX_VALUES]; MAX_BANDS]> = (0..sites)
         .into_par_iter()
         .map(|site| {
             let mut normal = [[0.0_f64; MAX_VALUES]; MAX_VALUES];
-            let mut right = [0.0_f64; MAX_VALUES];
+            let mut right = [[0.0_f64; MAX_VALUES]; MAX_BANDS];
             for (i, sun) in suns.iter().enumerate() {
                 let mut row = [0.0_f64; MAX_VALUES];
                 row[..harmonics_count].copy_from_slice(&values[i][..harmonics_count]);
@@ -58,17 +66,21 @@ pub(super) fn fit(suns: &[Sun], terms: Terms, near: &[NearBeam], light: &[Vec<f3
                     for b in 0..=a {
                         normal[a][b] += weighted * row[b];
                     }
-                    right[a] += weighted * f64::from(light[i][site]);
+                    for (right, light) in right.iter_mut().zip(light) {
+                        right[a] += weighted * f64::from(light[i][site]);
+                    }
                 }
             }
             for (a, row) in normal.iter_mut().enumerate().take(unknowns).skip(harmonics_count) {
                 row[a] += RIDGE;
             }
-            cholesky::solve(&mut normal, &mut right, unknowns);
-            right.map(|value| value as f32)
+            cholesky::factor(&mut normal, unknowns);
+            right[..light.len()].iter_mut().for_each(|right| cholesky::substitute(&normal, right, unknowns));
+            right.map(|right| right.map(|value| value as f32))
         })
         .collect();
-    (0..unknowns).map(|field| solved.iter().map(|fields| fields[field]).collect()).collect()
+    let field = |band: usize, field: usize| solved.iter().map(|fields| fields[band][field]).collect();
+    (0..light.len()).map(|band| (0..unknowns).map(|of| field(band, of)).collect()).collect()
 }
 
 /// Scattered fluence under a sun, per site, from fitted fields.

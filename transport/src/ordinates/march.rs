@@ -8,15 +8,16 @@
 //! Radiance is relative to an even sky of fluence 1, whose moments are 1, 0, 0, ... The moments are those of the real
 //! [`harmonics`] of the direction of travel: `sum over directions of weight Y_a psi`.
 
-use flb_format::beam::{Beam, Crossing, Passing, Sites, crossings, depth_per_edge};
+use flb_format::beam::{Crossing, Passing, Sites, crossings, depth_per_edge};
 use flb_format::sun::harmonics;
 use prefetch_index::prefetch_index;
+use pulp::{Arch, NullaryFnOnce};
 use rayon::prelude::*;
 
-use super::lanes::{LANES, Lanes};
-use crate::turbid::{Phase, TurbidMedium};
+use super::lanes::Lanes;
+use crate::turbid::TurbidMedium;
 
-use super::moments::{Moments, ScatteringMoments, degree};
+use super::moments::{Exchange, degree};
 use flb_format::ordinates::{Ordinate, Ordinates};
 
 /// Moments that an axis knows.
@@ -24,158 +25,127 @@ const MOMENTS: usize = 9;
 
 /// A ray crosses a site.
 #[derive(Debug, Clone, Copy)]
-struct Segment {
-    /// Place in the list of sites; [`LAST`] is set where the ray ends.
+pub(super) struct Segment {
+    /// Place in the list of sites.
     place: u32,
     /// exp(-s).
-    transmittance: f32,
-    /// What a unit of excess adds to the mean over the site and all directions: weight of the ordinate x share of the
+    pub transmittance: f32,
+    /// Gain of a unit of excess in the mean over the site and all directions: weight of the ordinate x share of the
     /// site's segments x (1 - exp(-s)) / s.
-    adds: f32,
+    pub adds: f32,
     /// Optical depth s.
-    depth: f32,
+    pub depth: f32,
+    /// Site edges.
+    pub length: f32,
     /// Middle of the segment from where the axis's segments of the site have theirs in the mean, in 1/[`FINE`] of an
     /// edge.
-    offset: [i8; 3],
+    pub offset: [i8; 3],
 }
 
 /// Steps of [`Segment::offset`] per site edge.
-const FINE: f32 = 127.0;
-
-const LAST: u32 = 1 << 31;
+pub(super) const FINE: f32 = 127.0;
 
 impl Segment {
-    fn place(&self) -> usize {
-        (self.place & !LAST) as usize
-    }
-
-    fn is_last(&self) -> bool {
-        self.place & LAST != 0
+    pub(super) fn place(&self) -> usize {
+        self.place as usize
     }
 }
 
 /// The rays along one ordinate, for both ways.
-struct OrdinateTracks {
-    direction: [f32; 3],
-    /// Of either way; all ways together have 1.
-    weight: f32,
+pub(super) struct OrdinateTracks {
+    pub direction: [f32; 3],
+    /// Weight of either way; all ways together have 1.
+    pub weight: f32,
     moments: [f32; MOMENTS],
-    /// Optical depth of each site per edge.
-    depth: Vec<f32>,
     segments: Vec<Segment>,
+    /// Number of the last segment of each ray, plus 1.
+    ends: Vec<u32>,
 }
 
 impl OrdinateTracks {
-    /// Visits the segments there or back, with whether a ray begins, and a place that is visited some visits later, for
-    /// what lies there to be fetched: nearly all the time would go by waiting for memory. Each way has code of its own:
-    /// a visit that is called from one place becomes part of the loop, and keeps the ray's light in registers.
+    /// The rays one by one: the segments of each, and those that are visited [`AHEAD`] later, for what lies there to be
+    /// fetched, as nearly all the time would go by waiting for memory. A ray goes there and back before the next one,
+    /// while its sites are in a cache.
     #[inline(always)]
-    fn walk<const BACK: bool>(&self, mut visit: impl FnMut(&Segment, bool, usize)) {
-        let count = self.segments.len();
-        let number = |at: usize| if BACK { count - 1 - at } else { at };
-        let mut begins = true;
-        let mut at = 0;
-        while at < count {
-            let segment = &self.segments[number(at)];
-            let later = if at + AHEAD < count { self.segments[number(at + AHEAD)].place() } else { 0 };
-            visit(segment, if BACK { segment.is_last() } else { begins }, later);
-            begins = segment.is_last();
-            at += 1;
-        }
+    pub(super) fn rays(&self) -> impl Iterator<Item = (&[Segment], &[Segment])> {
+        let starts = std::iter::once(0).chain(self.ends.iter().copied());
+        starts.zip(&self.ends).map(|(start, &end)| {
+            let (start, end) = (start as usize, end as usize);
+            (&self.segments[start..end], &self.segments[(start + AHEAD).min(self.segments.len())..])
+        })
     }
 
     /// The direction of travel there or back.
-    fn direction(&self, way: f32) -> [f32; 3] {
+    pub(super) fn direction(&self, way: f32) -> [f32; 3] {
         self.direction.map(|c| way * c)
     }
 
     /// Moments of the direction of travel.
-    fn moments<const M: usize>(&self, way: f32) -> [f32; M] {
+    pub(super) fn moments<const M: usize>(&self, way: f32) -> [f32; M] {
         std::array::from_fn(|a| if degree(a) == 1 { way * self.moments[a] } else { self.moments[a] })
     }
 
     /// See [`March::pass`].
-    #[inline(never)]
-    fn pass<const M: usize, const BACK: bool>(&self, source: &Moments<M>, excess: &mut Moments<M>) {
-        let y: [f32; M] = self.moments(WAYS[usize::from(BACK)]);
-        let mut light = Lanes::default();
-        self.walk::<BACK>(|segment, begins, later| {
-            prefetch_index(&**source, later);
-            prefetch_index(&**excess, later);
-            if begins {
-                light = Lanes::default();
+    #[inline(always)]
+    fn pass<const M: usize>(&self, sites: &mut [Exchange<M>]) {
+        let [there, back]: [[f32; M]; 2] = WAYS.map(|way| self.moments(way));
+        for (ray, later) in self.rays() {
+            let mut light = Lanes::default();
+            for (at, segment) in ray.iter().enumerate() {
+                prefetch_index(&*sites, later.get(at).map_or(0, Segment::place));
+                cross(segment, &there, &mut sites[segment.place()], &mut light);
             }
-            let place = segment.place();
-            cross(segment, &y, &source[place], &mut excess[place], &mut light);
-        });
+            light = Lanes::default();
+            for segment in ray.iter().rev() {
+                cross(segment, &back, &mut sites[segment.place()], &mut light);
+            }
+        }
     }
 
     /// See [`March::sky`].
-    fn sky<const M: usize, const BACK: bool>(&self, below: f32, sky: &mut [[f32; M]]) {
-        let way = WAYS[usize::from(BACK)];
-        let y: [f32; M] = self.moments(way);
-        let comes = match self.direction(way)[1] {
+    fn sky<const M: usize>(&self, below: f32, sky: &mut [[f32; M]]) {
+        let comes = |way: f32| match self.direction(way)[1] {
             up if up > 0.0 => below,
             up if up < 0.0 => 1.0,
             _ => (1.0 + below) / 2.0,
         };
-        let mut light = comes;
-        self.walk::<BACK>(|segment, begins, _| {
-            if begins {
-                light = comes;
-            }
-            sky[segment.place()].iter_mut().zip(&y).for_each(|(sum, y)| *sum += y * light * segment.adds);
-            light *= segment.transmittance;
-        });
+        let ([there, back], comes): ([[f32; M]; 2], _) = (WAYS.map(|way| self.moments(way)), WAYS.map(comes));
+        let mut cross = |segment: &Segment, y: &[f32; M], light: &mut f32| {
+            sky[segment.place()].iter_mut().zip(y).for_each(|(sum, y)| *sum += y * *light * segment.adds);
+            *light *= segment.transmittance;
+        };
+        for (ray, _) in self.rays() {
+            let mut light = comes;
+            ray.iter().for_each(|segment| cross(segment, &there, &mut light[0]));
+            ray.iter().rev().for_each(|segment| cross(segment, &back, &mut light[1]));
+        }
     }
+}
 
-    /// See [`March::first_scattering`]: `turned` is what leaf and wood of albedo 1 scatter of each beam into this
-    /// direction, in each band; `albedos` are those of each site, in each band.
-    #[inline(never)]
-    fn scatter_first<const M: usize, const B: usize, const BACK: bool>(
-        &self,
-        albedos: &[[[f32; 2]; B]],
-        turned: &[[Lanes; 2]; B],
-        lights: &[[Lanes; 4]],
-        first: &mut [[[Lanes; M]; B]],
-    ) {
-        let way = WAYS[usize::from(BACK)];
-        let (y, direction): ([f32; M], _) = (self.moments(way), self.direction(way));
-        let mut rays = [Lanes::default(); B];
-        self.walk::<BACK>(|segment, begins, later| {
-            // Two lines of a cache each.
-            prefetch_index(lights.as_flattened(), 4 * later);
-            prefetch_index(lights.as_flattened(), 4 * later + 2);
-            prefetch_index(first.as_flattened(), B * later);
-            prefetch_index(first.as_flattened(), B * later + B - 1);
-            if begins {
-                rays = [Lanes::default(); B];
-            }
-            let place = segment.place();
-            let slanted = Slanted::new(segment, self.depth[place]);
-            let light = slanted.light(&lights[place], direction);
-            let (albedos, first) = (&albedos[place], &mut first[place]);
-            for band in 0..B {
-                let adds = slanted.cross(albedos[band], &turned[band], &light, segment, &mut rays[band]);
-                for (first, y) in first[band].iter_mut().zip(y) {
-                    for (first, adds) in first.0.iter_mut().zip(adds.0) {
-                        *first += y * adds;
-                    }
-                }
-            }
-        });
+/// [`OrdinateTracks::pass`] there and back, compiled for the SIMD of this machine.
+struct PassJob<'a, const M: usize> {
+    axis: &'a OrdinateTracks,
+    sites: &'a mut [Exchange<M>],
+}
+
+impl<const M: usize> NullaryFnOnce for PassJob<'_, M> {
+    type Output = ();
+
+    #[inline(always)]
+    fn call(self) {
+        self.axis.pass(self.sites);
     }
 }
 
 /// Visits between the fetching of a place and its own.
-const AHEAD: usize = 16;
+const AHEAD: usize = 48;
 
 /// There, and back.
-const WAYS: [f32; 2] = [1.0, -1.0];
+pub(super) const WAYS: [f32; 2] = [1.0, -1.0];
 
 /// All rays, ready to march.
 pub(super) struct March {
-    axes: Vec<OrdinateTracks>,
+    pub axes: Vec<OrdinateTracks>,
     /// Share of the light sent out in a site that leaves it uncollided, in the mean over its volume and all directions.
     pub escape: Vec<f32>,
 }
@@ -193,11 +163,10 @@ impl March {
         March { axes, escape }
     }
 
-    /// Adds to `excess` the moments of what arrives beyond the source function `source`.
-    pub(super) fn pass<const M: usize>(&self, source: &Moments<M>, excess: &mut Moments<M>) {
+    /// Adds to the excess of each site the moments of what arrives beyond the source function.
+    pub(super) fn pass<const M: usize>(&self, sites: &mut [Exchange<M>]) {
         for axis in &self.axes {
-            axis.pass::<M, false>(source, excess);
-            axis.pass::<M, true>(source, excess);
+            Arch::new().dispatch(PassJob { axis, sites });
         }
     }
 
@@ -205,208 +174,23 @@ impl March {
     pub(super) fn sky<const M: usize>(&self, below: f32) -> Vec<[f32; M]> {
         let mut sky = vec![[0.0_f32; M]; self.escape.len()];
         for axis in &self.axes {
-            axis.sky::<M, false>(below, &mut sky);
-            axis.sky::<M, true>(below, &mut sky);
+            axis.sky(below, &mut sky);
         }
         sky
     }
-
-    /// Moments of the light of up to [`LANES`] beams after one scattering, by the phase functions themselves,
-    /// `[band][site]`. A beam's fluence changes along straight lines within a site, and so does what it scatters: taken
-    /// constant, sites that are dense and lit from one side would be several per cent off.
-    pub(super) fn first_scattering<const M: usize, const B: usize>(
-        &self,
-        matter: [&SiteScattering; B],
-        beams: &[&Beam],
-    ) -> [Moments<M>; B] {
-        let lanes = |of: &dyn Fn(&Beam) -> f32| {
-            Lanes(std::array::from_fn(|lane| beams.get(lane).map_or(0.0, |beam| of(beam))))
-        };
-        // Mean, and slope along x, y and z.
-        let lights: Vec<[Lanes; 4]> = (0..self.escape.len())
-            .map(|site| {
-                std::array::from_fn(|i| match i {
-                    0 => lanes(&|beam| beam.mean[site]),
-                    _ => lanes(&|beam| beam.slope[site][i - 1]),
-                })
-            })
-            .collect();
-        let albedos: Vec<[[f32; 2]; B]> =
-            (0..self.escape.len()).map(|site| matter.map(|matter| matter.albedos[site])).collect();
-        // What leaf and wood of albedo 1 scatter of a beam into a direction, and what that is in all.
-        let phase_of = |phase: Phase, beam: &Beam, direction: [f32; 3]| {
-            let along = |i: usize| -beam.towards_sun[i] * f64::from(direction[i]);
-            phase.at(along(0) + along(1) + along(2)) as f32
-        };
-        let whole = matter.map(|matter| {
-            matter.phases.map(|phase| {
-                let ways = |axis: &OrdinateTracks, beam: &Beam| {
-                    WAYS.map(|way| phase_of(phase, beam, axis.direction(way)))
-                };
-                let of = |beam: &Beam| {
-                    self.axes
-                        .iter()
-                        .map(|axis| axis.weight * ways(axis, beam).iter().sum::<f32>())
-                        .sum::<f32>()
-                };
-                lanes(&of)
-            })
-        });
-        let mut first = vec![[[Lanes::default(); M]; B]; self.escape.len()];
-        for axis in &self.axes {
-            for way in WAYS {
-                let direction = axis.direction(way);
-                let turned: [[Lanes; 2]; B] = std::array::from_fn(|band| {
-                    std::array::from_fn(|i| {
-                        let scattered = lanes(&|beam| phase_of(matter[band].phases[i], beam, direction));
-                        // An idle lane has no light: 0 of 0.
-                        Lanes(std::array::from_fn(|lane| {
-                            scattered.0[lane] / whole[band][i].0[lane].max(f32::MIN_POSITIVE)
-                        }))
-                    })
-                });
-                if way > 0.0 {
-                    axis.scatter_first::<M, B, false>(&albedos, &turned, &lights, &mut first);
-                } else {
-                    axis.scatter_first::<M, B, true>(&albedos, &turned, &lights, &mut first);
-                }
-            }
-        }
-        std::array::from_fn(|band| first.iter().map(|first| first[band]).collect())
-    }
-
-    /// Adds the once scattered light of such a sky as lane `lane` of `first`.
-    pub(super) fn add_first_of_sky<const M: usize>(
-        &self,
-        gains: &ScatteringMoments,
-        below: f32,
-        lane: usize,
-        first: &mut Moments<M>,
-    ) {
-        let sky = self.sky::<M>(below);
-        let mut source = vec![[Lanes::default(); M]; sky.len()];
-        for ((source, sky), gain) in source.iter_mut().zip(&sky).zip(&gains.0) {
-            for a in 0..M {
-                source[a].0[lane] = gain[degree(a)] * sky[a];
-            }
-        }
-        let mut arrives = source.clone();
-        self.pass(&source, &mut arrives);
-        for (first, arrives) in first.iter_mut().zip(&arrives) {
-            for a in 0..M {
-                first[a].0[lane] += arrives[a].0[lane];
-            }
-        }
-    }
-}
-
-/// What leaf and wood scatter, in one band.
-pub(super) struct SiteScattering {
-    /// `[site][leaf, wood]`: albedo x share of the site's extinction.
-    pub albedos: Vec<[f32; 2]>,
-    /// Phase functions of leaf and of wood.
-    pub phases: [Phase; 2],
-}
-
-/// A segment through a source that changes along it.
-struct Slanted {
-    /// Site edges.
-    length: f32,
-    /// Of the ordinate, times the share of the site's segments.
-    weight: f32,
-    /// From the mean place of the axis's segments of the site to the middle of this one, in site edges.
-    offset: [f32; 3],
-    /// What a source that rises by 1 along the segment, 0 in the middle, adds to the light that leaves.
-    leaves: f32,
-    /// ... and to the mean along the segment: what left was not added there.
-    stays: f32,
-}
-
-impl Slanted {
-    fn new(segment: &Segment, depth: f32) -> Slanted {
-        let s = segment.depth;
-        let gone = 1.0 - segment.transmittance;
-        // Series where the closed forms cancel.
-        let (mean, leaves, stays) = if s < 0.03 {
-            let stays = -s / 12.0 * (1.0 - 0.5 * s);
-            (1.0 - 0.5 * s, -stays * s, stays)
-        } else {
-            let mean = gone / s;
-            let leaves = 1.0 - mean - 0.5 * gone;
-            (mean, leaves, -leaves / s)
-        };
-        let offset = segment.offset.map(|c| f32::from(c) * (1.0 / FINE));
-        Slanted { length: s / depth, weight: segment.adds / mean, offset, leaves, stays }
-    }
-
-    /// The beams' light along the segment, that of the site given as mean and slopes.
-    #[inline(always)]
-    fn light(&self, [mean, x, y, z]: &[Lanes; 4], direction: [f32; 3]) -> SlantedLight {
-        let [dx, dy, dz] = direction.map(|c| c * self.length);
-        let [ox, oy, oz] = self.offset;
-        let mut light = SlantedLight { mean: *mean, aside: Lanes::default(), along: Lanes::default() };
-        for lane in 0..LANES {
-            light.aside.0[lane] = ox * x.0[lane] + oy * y.0[lane] + oz * z.0[lane];
-            light.along.0[lane] = dx * x.0[lane] + dy * y.0[lane] + dz * z.0[lane];
-        }
-        light
-    }
-
-    /// Carries the ray across, and gives what the segment adds to the mean of the site over all directions. Each loop
-    /// over the lanes is plain, so that it becomes one vector operation after the other.
-    #[inline(always)]
-    fn cross(
-        &self,
-        [leaf, wood]: [f32; 2],
-        [of_leaf, of_wood]: &[Lanes; 2],
-        light: &SlantedLight,
-        segment: &Segment,
-        ray: &mut Lanes,
-    ) -> Lanes {
-        let mut adds = Lanes::default();
-        for lane in 0..LANES {
-            let share = leaf * of_leaf.0[lane] + wood * of_wood.0[lane];
-            let aside = share * light.aside.0[lane];
-            let along = share * light.along.0[lane];
-            let even = share * light.mean.0[lane];
-            let beyond = ray.0[lane] - (even + aside);
-            ray.0[lane] = even + aside + beyond * segment.transmittance + along * self.leaves;
-            // The even part is the same for all segments of the site, whose weights sum to the ordinate's.
-            adds.0[lane] = beyond * segment.adds + self.weight * (even + aside + along * self.stays);
-        }
-        adds
-    }
-}
-
-/// Light of beams along a segment.
-struct SlantedLight {
-    /// Mean over the site.
-    mean: Lanes,
-    /// What its middle has beyond the mean.
-    aside: Lanes,
-    /// By how much it rises from where the ray enters to where it leaves.
-    along: Lanes,
 }
 
 #[inline(always)]
-fn cross<const M: usize>(
-    c: &Segment,
-    y: &[f32; M],
-    source: &[Lanes; M],
-    excess: &mut [Lanes; M],
-    light: &mut Lanes,
-) {
-    for lane in 0..LANES {
-        let mut q = 0.0;
-        for a in 0..M {
-            q += y[a] * source[a].0[lane];
-        }
-        let beyond = light.0[lane] - q;
-        light.0[lane] = q + beyond * c.transmittance;
-        let adds = beyond * c.adds;
-        for a in 0..M {
-            excess[a].0[lane] += y[a] * adds;
-        }
+fn cross<const M: usize>(segment: &Segment, y: &[f32; M], site: &mut Exchange<M>, light: &mut Lanes) {
+    let mut q = Lanes::default();
+    for (y, source) in y.iter().zip(site.source) {
+        q += *y * source;
+    }
+    let beyond = *light - q;
+    *light = q + segment.transmittance * beyond;
+    let adds = segment.adds * beyond;
+    for (y, excess) in y.iter().zip(&mut site.excess) {
+        *excess += *y * adds;
     }
 }
 
@@ -426,23 +210,26 @@ fn lay(
         *lengths += length;
         middles.iter_mut().zip(middle).for_each(|(sum, middle)| *sum += length * middle);
     }
-    let segment = |&Crossing { place, is_last, length, middle }: &Crossing| {
+    let segment = |&Crossing { place, length, middle, .. }: &Crossing| {
         let s = depth[place as usize] * length;
         let passing = Passing::new(s);
         let [lengths, middles @ ..] = sums[place as usize];
         let from_mean = |axis: usize| middle[axis] - middles[axis] / lengths;
         let offset = std::array::from_fn(|axis| (from_mean(axis) * FINE).clamp(-127.0, 127.0) as i8);
         let adds = ordinate.weight as f32 * (length / lengths) * passing.mean;
-        let place = if is_last { place | LAST } else { place };
-        Segment { place, transmittance: passing.transmittance, adds, depth: s, offset }
+        Segment { place, transmittance: passing.transmittance, adds, depth: s, length, offset }
     };
     let segments = found.iter().map(segment).collect();
+    let ends = (1..).zip(&found).filter(|(_, crossing)| crossing.is_last).map(|(end, _)| end).collect();
     let y = harmonics::evaluate(ordinate.direction);
     OrdinateTracks {
         direction: ordinate.direction.map(|c| c as f32),
         weight: ordinate.weight as f32,
         moments: std::array::from_fn(|a| y[a] as f32),
-        depth,
         segments,
+        ends,
     }
 }
+
+#[cfg(test)]
+pub(super) mod tests;

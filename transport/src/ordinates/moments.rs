@@ -5,6 +5,23 @@ use super::lanes::Lanes;
 /// Moments of the light per site: 1 (isotropic scattering), 4 (with its mean direction) or 9.
 pub(super) type Moments<const M: usize> = Vec<[Lanes; M]>;
 
+/// A site in a pass. What is read and what is added to lie together: the time of a pass goes by waiting for them.
+#[derive(Clone, Copy)]
+#[repr(align(64))]
+pub(super) struct Exchange<const M: usize> {
+    /// Light that it sends out.
+    pub source: [Lanes; M],
+    /// Light that arrives beyond that.
+    pub excess: [Lanes; M],
+}
+
+impl<const M: usize> Exchange<M> {
+    /// All light that arrives.
+    pub(super) fn arrives(&self) -> [Lanes; M] {
+        std::array::from_fn(|a| self.source[a] + self.excess[a])
+    }
+}
+
 /// What sites scatter, in one band: albedo x Legendre moment of the phase function, `[site][degree]`.
 pub(super) struct ScatteringMoments(pub Vec<[f32; 3]>);
 

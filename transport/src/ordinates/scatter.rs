@@ -1,117 +1,28 @@
 //! From the beams of many suns to the light that the plant scatters, in several bands.
+//!
+//! ```text
+//! beams -first scattering-> x_1 -one pass-> x_2 -harmonics of the sun, source iteration-> the rest of each sun
+//! ```
+//!
+//! Light that was scattered three times or more hardly depends on where the sun stands. Where albedos are low it is
+//! solved for a few harmonics of the sun's direction in place of every sun ([`super::smooth`]). Suns that are held out,
+//! and the sky, are always solved to the end by themselves.
 
 use std::sync::atomic::{AtomicUsize, Ordering};
 
 use flb_format::beam::Beam;
-use flb_format::matter::TurbidMedium;
 use flb_format::progress::{Cancelled, Progress};
 use rayon::prelude::*;
 
 use super::OrdinatesSettings;
-use super::lanes::LANES;
-use super::march::{March, SiteScattering};
+use super::band::Band;
+use super::first::HALVINGS;
+use super::lanes::{LANES, Lanes};
+use super::march::March;
 use super::moments::{Moments, ScatteringMoments};
-use super::source_iteration::source_iteration;
-use crate::turbid::{BandScatter, Phase};
-
-/// One band: what sites scatter, and how many moments that takes.
-pub(super) struct Band {
-    matter: SiteScattering,
-    gains: ScatteringMoments,
-    moments: usize,
-}
-
-/// Light that is scattered more than once is taken for even in direction, where albedo x mean cosine is no more than
-/// this. (The first scattering goes by the phase functions themselves.)
-const NEARLY_EVEN: f64 = 0.15;
-
-/// Second moments of phase functions up to this are left out: facets have 1/16.
-const SLIGHT: f64 = 0.1;
-
-impl Band {
-    /// For the medium's non-empty sites; what they have of their own is in place of `scatter`.
-    pub(super) fn new(medium: &TurbidMedium, sites: &[u32], scatter: &BandScatter, own: &Own) -> Band {
-        match own.transmitted {
-            None => Band::alike(medium, sites, scatter, own.albedos),
-            Some(transmitted) => Band::mixed(medium, sites, scatter, own.albedos, transmitted),
-        }
-    }
-
-    /// Leaf and wood that scatter by one phase function each.
-    fn alike(
-        medium: &TurbidMedium,
-        sites: &[u32],
-        scatter: &BandScatter,
-        albedos: Option<&[[f32; 2]]>,
-    ) -> Band {
-        let both = [&scatter.leaf, &scatter.wood];
-        let wood_share =
-            |site: usize| f64::from(medium.wood_per_m[site]) / f64::from(medium.extinction(site));
-        let shares: Vec<[f64; 2]> = sites
-            .iter()
-            .map(|&site| {
-                let wood = wood_share(site as usize);
-                [1.0 - wood, wood]
-            })
-            .collect();
-        let moments = if both.iter().any(|matter| matter.phase.moment(2).abs() > SLIGHT) {
-            9
-        } else if both.iter().any(|matter| (matter.albedo * matter.phase.moment(1)).abs() > NEARLY_EVEN) {
-            4
-        } else {
-            1
-        };
-        let moment: [[f64; 3]; 2] = both.map(|matter| std::array::from_fn(|l| matter.phase.moment(l)));
-        let albedo = |place: usize, i: usize| albedos.map_or(both[i].albedo, |of| f64::from(of[place][i]));
-        let gains = shares.iter().enumerate().map(|(place, share)| {
-            let gain = |i: usize, l: usize| share[i] * (albedo(place, i) * moment[i][l]);
-            std::array::from_fn(|l| (gain(0, l) + gain(1, l)) as f32)
-        });
-        let albedos = shares
-            .iter()
-            .enumerate()
-            .map(|(place, share)| std::array::from_fn(|i| (share[i] * albedo(place, i)) as f32));
-        let matter = SiteScattering { albedos: albedos.collect(), phases: both.map(|matter| matter.phase) };
-        Band { matter, gains: ScatteringMoments(gains.collect()), moments }
-    }
-
-    /// Facets of which each site's leaves let another share through. All that is scattered either passes a facet or
-    /// comes back from one, of leaf or of wood alike: two phase functions again.
-    fn mixed(
-        medium: &TurbidMedium,
-        sites: &[u32],
-        scatter: &BandScatter,
-        albedos: Option<&[[f32; 2]]>,
-        transmitted: &[f32],
-    ) -> Band {
-        let phases = [1.0, 0.0].map(|transmitted| Phase::BiLambert { transmitted });
-        let both = [scatter.leaf.albedo, scatter.wood.albedo];
-        let shares = sites.iter().zip(transmitted).enumerate().map(|(place, (&site, &passes))| {
-            let wood =
-                f64::from(medium.wood_per_m[site as usize]) / f64::from(medium.extinction(site as usize));
-            let [of_leaf, of_wood] = albedos.map_or(both, |of| of[place].map(f64::from));
-            let (leaf, passes) = ((1.0 - wood) * of_leaf, f64::from(passes));
-            [leaf * passes, leaf * (1.0 - passes) + wood * of_wood]
-        });
-        let shares: Vec<[f64; 2]> = shares.collect();
-        let moment: [[f64; 3]; 2] = phases.map(|phase| std::array::from_fn(|l| phase.moment(l)));
-        let gain = |share: &[f64; 2], l: usize| share[0] * moment[0][l] + share[1] * moment[1][l];
-        let gains: Vec<[f32; 3]> =
-            shares.iter().map(|share| std::array::from_fn(|l| gain(share, l) as f32)).collect();
-        let slanted = gains.iter().any(|gain| f64::from(gain[1].abs()) > NEARLY_EVEN);
-        let albedos = shares.iter().map(|share| share.map(|share| share as f32)).collect();
-        let matter = SiteScattering { albedos, phases };
-        Band { matter, gains: ScatteringMoments(gains), moments: if slanted { 4 } else { 1 } }
-    }
-}
-
-/// What the sites of a band have of their own.
-pub(super) struct Own<'a> {
-    /// `[site][leaf, wood]`, in place of the band's.
-    pub albedos: Option<&'a [[f32; 2]]>,
-    /// `[site]`: share of what leaves scatter that comes out of the far side.
-    pub transmitted: Option<&'a [f32]>,
-}
+use super::smooth::Smooth;
+use super::source_iteration::{arrives, source_iteration};
+use super::suns::SolvePlan;
 
 /// Scattered light of one band.
 pub(super) struct Lit {
@@ -121,50 +32,254 @@ pub(super) struct Lit {
     pub error_estimate: f64,
 }
 
-/// Scattered light of all suns, and of a sky of fluence 1 (`below` times that below the horizon) where that is wanted,
-/// in each band.
-pub(super) fn scatter(
-    march: &March,
-    bands: &[Band],
-    beams: &[&Beam],
-    below: f32,
-    settings: &OrdinatesSettings,
-    progress: &Progress<'_>,
-) -> Result<Vec<Lit>, Cancelled> {
-    // The sky goes with the last suns, or by itself where they fill their lanes.
-    let mut groups: Vec<&[&Beam]> = beams.chunks(LANES).collect();
-    if settings.sky() && beams.len().is_multiple_of(LANES) {
-        groups.push(&[]);
+/// What a scatter is made of.
+pub(super) struct Scattering<'a> {
+    pub march: &'a March,
+    pub plan: &'a SolvePlan,
+    /// One per sun of the plan.
+    pub beams: &'a [&'a Beam],
+    /// Light of the sky from below the horizon, relative to that above.
+    pub below: f32,
+    pub settings: &'a OrdinatesSettings,
+    /// Whether the rest of the light may be solved for harmonics of the sun.
+    pub may_be_smooth: bool,
+}
+
+impl Scattering<'_> {
+    /// Scattered light of all suns, and of a sky of fluence 1 where that is wanted, in each band.
+    pub(super) fn scatter(&self, bands: &[Band], progress: &Progress<'_>) -> Result<Vec<Lit>, Cancelled> {
+        // The sky goes with the last suns, or by itself where they fill their lanes.
+        let mut groups: Vec<Group> = (0..self.beams.len().div_ceil(LANES))
+            .map(|group| Group {
+                first_sun: group * LANES,
+                beams: self.beams.chunks(LANES).nth(group).unwrap_or(&[]),
+                sky: false,
+            })
+            .collect();
+        if self.settings.sky() {
+            match groups.last_mut().filter(|_| !self.beams.len().is_multiple_of(LANES)) {
+                Some(last) => last.sky = true,
+                None => groups.push(Group { first_sun: self.beams.len(), beams: &[], sky: true }),
+            }
+        }
+        let sets = sets(bands, groups.len());
+        let (done, all) = (AtomicUsize::new(0), sets.len() * groups.len());
+        let step = || progress((done.fetch_add(1, Ordering::Relaxed) + 1) as f64 / all as f64);
+        let made = sets
+            .par_iter()
+            .map(|set| {
+                let of_set: Vec<&Band> = set.iter().map(|&band| &bands[band]).collect();
+                match of_set[0].moments {
+                    1 => self.of_bands::<1>(&of_set, &groups, &step),
+                    4 => self.of_bands::<4>(&of_set, &groups, &step),
+                    _ => self.of_bands::<9>(&of_set, &groups, &step),
+                }
+            })
+            .collect::<Result<Vec<Vec<Lit>>, Cancelled>>()?;
+        let mut of_bands: Vec<(usize, Lit)> =
+            sets.into_iter().flatten().zip(made.into_iter().flatten()).collect();
+        of_bands.sort_by_key(|(band, _)| *band);
+        Ok(of_bands.into_iter().map(|(_, lit)| lit).collect())
     }
-    let sets = sets(bands, groups.len());
-    let work: Vec<(&[usize], usize)> =
-        sets.iter().flat_map(|set| (0..groups.len()).map(move |group| (set.as_slice(), group))).collect();
-    let done = AtomicUsize::new(0);
-    let made = work
-        .par_iter()
-        .map(|&(set, group)| {
-            let sky = (settings.sky() && group + 1 == groups.len()).then_some(below);
-            let set: Vec<&Band> = set.iter().map(|&band| &bands[band]).collect();
-            let lit = match set[0].moments {
-                1 => of_bands::<1>(march, &set, groups[group], sky, settings),
-                4 => of_bands::<4>(march, &set, groups[group], sky, settings),
-                _ => of_bands::<9>(march, &set, groups[group], sky, settings),
-            };
-            progress((done.fetch_add(1, Ordering::Relaxed) + 1) as f64 / work.len() as f64)?;
-            Ok(lit)
-        })
-        .collect::<Result<Vec<Vec<Lit>>, Cancelled>>()?;
-    // Groups of each band in their order.
-    let mut of_bands: Vec<Vec<Lit>> = bands.iter().map(|_| Vec::new()).collect();
-    for ((set, _), made) in work.iter().zip(made) {
-        set.iter().zip(made).for_each(|(&band, lit)| of_bands[band].push(lit));
+
+    /// Up to [`TOGETHER`] bands.
+    fn of_bands<const M: usize>(
+        &self,
+        bands: &[&Band],
+        groups: &[Group],
+        step: &Step,
+    ) -> Result<Vec<Lit>, Cancelled> {
+        match *bands {
+            [a] => self.of_set::<M, 1>([a], groups, step),
+            [a, b] => self.of_set::<M, 2>([a, b], groups, step),
+            [a, b, c] => self.of_set::<M, 3>([a, b, c], groups, step),
+            _ => unreachable!("a set has up to {TOGETHER} bands"),
+        }
     }
-    let joined = |of_band: Vec<Lit>| {
-        let passes = of_band.iter().map(|lit| lit.passes).max().unwrap_or(0);
-        let error_estimate = of_band.iter().map(|lit| lit.error_estimate).fold(0.0, f64::max);
-        Lit { light: of_band.into_iter().flat_map(|lit| lit.light).collect(), passes, error_estimate }
+
+    fn of_set<const M: usize, const B: usize>(
+        &self,
+        bands: [&Band; B],
+        groups: &[Group],
+        step: &Step,
+    ) -> Result<Vec<Lit>, Cancelled> {
+        let smooth: Vec<Option<Smooth>> = bands
+            .iter()
+            .map(|band| Smooth::of(self.plan, self.settings, band).filter(|_| self.may_be_smooth))
+            .collect();
+        let made = groups
+            .par_iter()
+            .map(|group| {
+                let first = self.first_of::<M, B>(&bands, group);
+                let made: Vec<Part<M>> = first
+                    .into_par_iter()
+                    .zip(&bands)
+                    .zip(&smooth)
+                    .map(|((first, band), smooth)| match smooth {
+                        Some(smooth) => self.begun(smooth, band, group, &first),
+                        None => self.solved(band, group, &first),
+                    })
+                    .collect();
+                step()?;
+                Ok(made)
+            })
+            .collect::<Result<Vec<Vec<Part<M>>>, Cancelled>>()?;
+        // Groups of each band in their order.
+        let mut parts: Vec<Vec<Part<M>>> = bands.iter().map(|_| Vec::new()).collect();
+        made.into_iter()
+            .for_each(|made| parts.iter_mut().zip(made).for_each(|(parts, part)| parts.push(part)));
+        let all = parts.into_par_iter().zip(bands).zip(smooth);
+        Ok(all.map(|((parts, band), smooth)| self.joined(parts, band, smooth.as_ref())).collect())
+    }
+
+    /// The light of a group after one scattering.
+    fn first_of<const M: usize, const B: usize>(&self, bands: &[&Band; B], group: &Group) -> [Moments<M>; B] {
+        let mut first = self.march.first_scattering::<M, B>(bands.map(|band| &band.matter), group.beams);
+        if group.sky {
+            for (band, first) in bands.iter().zip(&mut first) {
+                self.add_sky(&band.gains, group.beams.len(), first);
+            }
+        }
+        first
+    }
+
+    /// Adds the once scattered light of the sky as lane `lane` of `first`.
+    fn add_sky<const M: usize>(&self, gains: &ScatteringMoments, lane: usize, first: &mut Moments<M>) {
+        let mut sky = vec![[Lanes::default(); M]; first.len()];
+        for (lanes, sky) in sky.iter_mut().zip(self.march.sky::<M>(self.below)) {
+            lanes.iter_mut().zip(sky).for_each(|(lanes, sky)| lanes.0[lane] = sky);
+        }
+        let arrives = arrives(self.march, gains, &sky);
+        for (first, arrives) in first.as_flattened_mut().iter_mut().zip(arrives.as_flattened()) {
+            first.0[lane] += arrives.0[lane];
+        }
+    }
+
+    /// All light of a group, solved to the end.
+    fn solved<const M: usize>(&self, band: &Band, group: &Group, first: &Moments<M>) -> Part<M> {
+        let OrdinatesSettings { tolerance, max_passes, .. } = *self.settings;
+        let solved = source_iteration(self.march, &band.gains, first, [0.0; LANES], tolerance, max_passes);
+        let light = (0..group.lanes()).map(|lane| fluence(&solved.light, lane)).collect();
+        Part {
+            light,
+            passes: solved.passes,
+            error_estimate: solved.error_estimate,
+            smooth: Vec::new(),
+            apart: Vec::new(),
+        }
+    }
+
+    /// The light of a group that was scattered once or twice, and what the rest is made of.
+    fn begun<const M: usize>(
+        &self,
+        smooth: &Smooth,
+        band: &Band,
+        group: &Group,
+        first: &Moments<M>,
+    ) -> Part<M> {
+        // Of suns that are held out and of the sky, all is solved together with the rest of the others.
+        let fitted = self.plan.fitted().saturating_sub(group.first_sun).min(group.beams.len());
+        let apart = (fitted..group.lanes()).map(|lane| lane_of(first, lane)).collect();
+        if fitted == 0 {
+            return Part { light: Vec::new(), passes: 0, error_estimate: 0.0, smooth: Vec::new(), apart };
+        }
+        let second = arrives(self.march, &band.gains, first);
+        let both = |lane: usize| {
+            first.iter().zip(&second).map(|(first, second)| first[0].0[lane] + second[0].0[lane]).collect()
+        };
+        let light = (0..fitted).map(both).collect();
+        Part {
+            light,
+            passes: 1,
+            error_estimate: 0.0,
+            smooth: smooth.project(&second, group.first_sun, fitted),
+            apart,
+        }
+    }
+
+    /// All groups of a band.
+    fn joined<const M: usize>(&self, mut parts: Vec<Part<M>>, band: &Band, smooth: Option<&Smooth>) -> Lit {
+        let passes = parts.iter().map(|part| part.passes).max().unwrap_or(0);
+        let error_estimate = parts.iter().map(|part| part.error_estimate).fold(0.0, f64::max);
+        let mut light: Vec<Vec<f32>> =
+            parts.iter_mut().flat_map(|part| std::mem::take(&mut part.light)).collect();
+        let Some(smooth) = smooth else { return Lit { light, passes, error_estimate } };
+        let (mut sums, mut apart) = (Vec::new(), Vec::new());
+        for part in parts {
+            Smooth::add(&mut sums, part.smooth);
+            apart.extend(part.apart);
+        }
+        let size = smooth.mean_square(&light);
+        // What is solved, and below which size errors do not count.
+        let wanted: Vec<(&Vec<[f32; M]>, f64)> =
+            sums.iter().map(|sum| (sum, size)).chain(apart.iter().map(|first| (first, 0.0))).collect();
+        let OrdinatesSettings { tolerance, max_passes, .. } = *self.settings;
+        let solved: Vec<_> = wanted
+            .par_chunks(LANES)
+            .map(|wanted| {
+                let first = lanes_of(wanted);
+                let sizes = std::array::from_fn(|lane| wanted.get(lane).map_or(0.0, |(_, size)| *size));
+                source_iteration(self.march, &band.gains, &first, sizes, tolerance, max_passes)
+            })
+            .collect();
+        let further = solved.iter().map(|solved| solved.passes).max().unwrap_or(0);
+        let error_estimate = solved.iter().map(|solved| solved.error_estimate).fold(0.0, f64::max);
+        let of_wanted = |at: usize| fluence(&solved[at / LANES].light, at % LANES);
+        // What is solved for harmonics holds the light that it was begun with.
+        let rest: Vec<Vec<f32>> = (0..sums.len())
+            .into_par_iter()
+            .map(|at| of_wanted(at).iter().zip(&sums[at]).map(|(all, begun)| all - begun[0]).collect())
+            .collect();
+        smooth.add_to_suns(&rest, &mut light);
+        light.extend((sums.len()..wanted.len()).map(of_wanted));
+        Lit { light, passes: passes + further, error_estimate }
+    }
+}
+
+/// Called when a group was made.
+type Step<'a> = dyn Fn() -> Result<(), Cancelled> + Sync + 'a;
+
+/// Suns that go side by side, and perhaps the sky.
+struct Group<'a> {
+    /// Number of the first.
+    first_sun: usize,
+    beams: &'a [&'a Beam],
+    sky: bool,
+}
+
+impl Group<'_> {
+    fn lanes(&self) -> usize {
+        self.beams.len() + usize::from(self.sky)
+    }
+}
+
+/// Light of a group in a band.
+struct Part<const M: usize> {
+    /// `[lane][site]`: all of it, or what was scattered once or twice, of the suns that fields are made from.
+    light: Vec<Vec<f32>>,
+    passes: u32,
+    error_estimate: f64,
+    /// `[function][site]`: projections of what was scattered twice.
+    smooth: Vec<Vec<[f32; M]>>,
+    /// `[lane][site]`: what was scattered once, of suns that are held out and of the sky.
+    apart: Vec<Vec<[f32; M]>>,
+}
+
+fn fluence<const M: usize>(light: &Moments<M>, lane: usize) -> Vec<f32> {
+    light.iter().map(|moments| moments[0].0[lane]).collect()
+}
+
+fn lane_of<const M: usize>(light: &Moments<M>, lane: usize) -> Vec<[f32; M]> {
+    light.iter().map(|moments| moments.map(|lanes| lanes.0[lane])).collect()
+}
+
+/// Up to [`LANES`] lights side by side.
+fn lanes_of<const M: usize>(lights: &[(&Vec<[f32; M]>, f64)]) -> Moments<M> {
+    let sites = lights[0].0.len();
+    let of = |site: usize, a: usize| {
+        Lanes(std::array::from_fn(|lane| lights.get(lane).map_or(0.0, |(light, _)| light[site][a])))
     };
-    Ok(of_bands.into_iter().map(joined).collect())
+    (0..sites).map(|site| std::array::from_fn(|a| of(site, a))).collect()
 }
 
 /// Most bands that go together.
@@ -173,7 +288,7 @@ const TOGETHER: usize = 3;
 /// Numbers of the bands that go together: of one number of moments, and no more than leave work for every thread.
 /// Results do not depend on it.
 fn sets(bands: &[Band], groups: usize) -> Vec<Vec<usize>> {
-    let wanted = rayon::current_num_threads().div_ceil(groups.max(1));
+    let wanted = rayon::current_num_threads().div_ceil(groups.max(1) << HALVINGS);
     let most = (bands.len() / wanted).clamp(1, TOGETHER);
     let mut sets: Vec<Vec<usize>> = Vec::new();
     for (number, band) in bands.iter().enumerate() {
@@ -183,46 +298,4 @@ fn sets(bands: &[Band], groups: usize) -> Vec<Vec<usize>> {
         }
     }
     sets
-}
-
-/// Up to [`TOGETHER`] bands under up to [`LANES`] suns, or fewer and the sky.
-fn of_bands<const M: usize>(
-    march: &March,
-    bands: &[&Band],
-    beams: &[&Beam],
-    sky: Option<f32>,
-    settings: &OrdinatesSettings,
-) -> Vec<Lit> {
-    match *bands {
-        [a] => of_group::<M, 1>(march, [a], beams, sky, settings),
-        [a, b] => of_group::<M, 2>(march, [a, b], beams, sky, settings),
-        [a, b, c] => of_group::<M, 3>(march, [a, b, c], beams, sky, settings),
-        _ => unreachable!("a set has up to {TOGETHER} bands"),
-    }
-}
-
-fn of_group<const M: usize, const B: usize>(
-    march: &March,
-    bands: [&Band; B],
-    beams: &[&Beam],
-    sky: Option<f32>,
-    settings: &OrdinatesSettings,
-) -> Vec<Lit> {
-    let mut first = march.first_scattering::<M, B>(bands.map(|band| &band.matter), beams);
-    if let Some(below) = sky {
-        for (band, first) in bands.iter().zip(&mut first) {
-            march.add_first_of_sky(&band.gains, below, beams.len(), first);
-        }
-    }
-    let lanes = beams.len() + usize::from(sky.is_some());
-    let lit = |(band, first): (&Band, Moments<M>)| {
-        let solved = source_iteration(march, &band.gains, &first, settings.tolerance, settings.max_passes);
-        let of_lane = |lane: usize| solved.light.iter().map(|moments| moments[0].0[lane]).collect();
-        Lit {
-            light: (0..lanes).map(of_lane).collect(),
-            passes: solved.passes,
-            error_estimate: solved.error_estimate,
-        }
-    };
-    bands.into_iter().zip(first).map(lit).collect()
 }

@@ -10,7 +10,7 @@
 
 use super::lanes::{LANES, Lanes};
 use super::march::March;
-use super::moments::{Moments, ScatteringMoments, degree};
+use super::moments::{Exchange, Moments, ScatteringMoments, degree};
 
 /// Steps that the mixing remembers (Anderson, 1965).
 const MEMORY: usize = 2;
@@ -25,33 +25,49 @@ pub(super) struct Relaxed<const M: usize> {
     pub error_estimate: f64,
 }
 
-/// Iterates until the estimated error of every lane is within `tolerance`, or `most` passes are done.
+/// K W x: what arrives of the light x, scattered once more.
+pub(super) fn arrives<const M: usize>(
+    march: &March,
+    gains: &ScatteringMoments,
+    light: &Moments<M>,
+) -> Moments<M> {
+    let mut sites =
+        vec![Exchange { source: [Lanes::default(); M], excess: [Lanes::default(); M] }; light.len()];
+    send_out(&mut sites, gains, light);
+    march.pass(&mut sites);
+    sites.iter().map(Exchange::arrives).collect()
+}
+
+/// Sites send out W x, and nothing has arrived.
+fn send_out<const M: usize>(sites: &mut [Exchange<M>], gains: &ScatteringMoments, light: &Moments<M>) {
+    for ((site, light), gain) in sites.iter_mut().zip(light).zip(&gains.0) {
+        site.source = std::array::from_fn(|a| gain[degree(a)] * light[a]);
+        site.excess = [Lanes::default(); M];
+    }
+}
+
+/// Iterates until the estimated error of every lane is within `tolerance`, or `most` passes are done. Errors are
+/// relative to the light of the lane, or to a greater one: `sizes` are sums of squares.
 pub(super) fn source_iteration<const M: usize>(
     march: &March,
     gains: &ScatteringMoments,
     first: &Moments<M>,
+    sizes: [f64; LANES],
     tolerance: f64,
     most: u32,
 ) -> Relaxed<M> {
     let zero = [Lanes::default(); M];
     let mut light = first.clone();
-    let mut source = vec![zero; first.len()];
-    let mut step = source.clone();
+    let mut sites = vec![Exchange { source: zero, excess: zero }; first.len()];
+    let mut step = vec![zero; first.len()];
     let mut mixing = Mixing { before: None, kept: Vec::new() };
     let albedo = gains.albedo();
     let (mut passes, mut error_estimate, mut residual_before) = (0, f64::INFINITY, f64::INFINITY);
     while passes < most {
-        for ((source, light), gain) in source.iter_mut().zip(&light).zip(&gains.0) {
-            for a in 0..M {
-                for lane in 0..LANES {
-                    source[a].0[lane] = gain[degree(a)] * light[a].0[lane];
-                }
-            }
-        }
-        step.fill(zero);
-        march.pass(&source, &mut step);
+        send_out(&mut sites, gains, &light);
+        march.pass(&mut sites);
         passes += 1;
-        let residual = become_step(march, gains, first, &source, &light, &mut step);
+        let residual = become_step(march, gains, first, &sites, &light, &mut step, sizes);
         let rate = (residual / residual_before).min(0.999);
         residual_before = residual;
         let of_rate = if passes > 2 { residual / (1.0 - rate) } else { f64::INFINITY };
@@ -68,25 +84,23 @@ pub(super) fn source_iteration<const M: usize>(
     Relaxed { light, passes, error_estimate }
 }
 
-/// `step`, what arrived beyond the source, becomes (x_1 + K W x - x) / (1 - W (1 - escape)). Gives its size relative to
+/// `step` becomes (x_1 + K W x - x) / (1 - W (1 - escape)). Gives its size relative to
 /// the light, the worst of the lanes.
 fn become_step<const M: usize>(
     march: &March,
     gains: &ScatteringMoments,
     first: &Moments<M>,
-    source: &Moments<M>,
+    sites: &[Exchange<M>],
     light: &Moments<M>,
     step: &mut Moments<M>,
+    sizes: [f64; LANES],
 ) -> f64 {
     let (mut change, mut norm) = ([0.0_f64; LANES], [0.0_f64; LANES]);
     for (site, step) in step.iter_mut().enumerate() {
-        let (gain, stays) = (&gains.0[site], 1.0 - march.escape[site]);
+        let (gain, stays, arrives) = (&gains.0[site], 1.0 - march.escape[site], sites[site].arrives());
         for a in 0..M {
             let whole = 1.0 / (1.0 - gain[degree(a)] * stays);
-            for lane in 0..LANES {
-                let arrives = first[site][a].0[lane] + source[site][a].0[lane] + step[a].0[lane];
-                step[a].0[lane] = (arrives - light[site][a].0[lane]) * whole;
-            }
+            step[a] = whole * (first[site][a] + arrives[a] - light[site][a]);
         }
         for lane in 0..LANES {
             let (step, light) = (f64::from(step[0].0[lane]), f64::from(light[site][0].0[lane]));
@@ -94,7 +108,7 @@ fn become_step<const M: usize>(
             norm[lane] += light * light;
         }
     }
-    let relative = |lane: usize| match (change[lane], norm[lane]) {
+    let relative = |lane: usize| match (change[lane], norm[lane].max(sizes[lane])) {
         (0.0, _) => 0.0,
         (_, 0.0) => 1.0,
         (change, norm) => libm::sqrt(change / norm),
@@ -104,11 +118,7 @@ fn become_step<const M: usize>(
 
 fn add<const M: usize>(light: &mut Moments<M>, step: &Moments<M>) {
     for (light, step) in light.iter_mut().zip(step) {
-        for a in 0..M {
-            for lane in 0..LANES {
-                light[a].0[lane] += step[a].0[lane];
-            }
-        }
+        light.iter_mut().zip(step).for_each(|(light, step)| *light += *step);
     }
 }
 

@@ -6,52 +6,84 @@
 
 use flb_format::Field;
 
-/// Writes one band of a field.
-pub fn spread(sites: &[u32], values: &[f32], field: &mut Field, band: u32) {
-    let n = field.lattice as usize;
-    let out = &mut field.values[band as usize * n * n * n..][..n * n * n];
-    // [level][z][y][x]: sum and count.
-    let mut level: Vec<(f32, f32)> = vec![(0.0, 0.0); n * n * n];
-    for (&site, &value) in sites.iter().zip(values) {
-        level[site as usize] = (value, 1.0);
-    }
-    let mut levels = vec![level];
-    let mut edge = n;
-    while edge > 1 {
-        levels.push(halved(&levels[levels.len() - 1], edge));
-        edge /= 2;
-    }
-    // From the top, each level hands its means to what is empty below.
-    let mut means = vec![0.0_f32];
-    for level in levels.iter().rev() {
-        let edge = libm::cbrt(level.len() as f64).round() as usize;
-        let parent_edge = (edge / 2).max(1);
-        let mean = |i: usize| {
-            let (sum, count) = level[i];
-            let [x, y, z] = [i % edge, i / edge % edge, i / edge / edge].map(|c| c / 2);
-            if count > 0.0 { sum / count } else { means[(z * parent_edge + y) * parent_edge + x] }
-        };
-        means = (0..level.len()).map(mean).collect();
-    }
-    out.copy_from_slice(&means);
+/// The pyramid over the non-empty sites of a lattice: what each site of a field takes its value from.
+pub struct Spread {
+    /// `[level]`: for each cube that holds matter, ascending, the place of its cube among those of the next level. The
+    /// first level's cubes are the sites.
+    parents: Vec<Vec<u32>>,
+    /// Sites that each cube holds, those of all levels one after the other.
+    counts: Vec<f32>,
+    /// `[z][y][x]`: number of the cube, among those of all levels, whose mean a site takes.
+    cubes: Vec<u32>,
 }
 
-/// Sums over 2x2x2.
-fn halved(level: &[(f32, f32)], edge: usize) -> Vec<(f32, f32)> {
-    let half = edge / 2;
-    let sum = |i: usize| {
-        let [x, y, z] = [i % half, i / half % half, i / half / half].map(|c| 2 * c);
-        let mut sum = (0.0, 0.0);
-        for (dz, dy, dx) in
-            [(0, 0, 0), (0, 0, 1), (0, 1, 0), (0, 1, 1), (1, 0, 0), (1, 0, 1), (1, 1, 0), (1, 1, 1)]
-        {
-            let (value, count) = level[((z + dz) * edge + y + dy) * edge + x + dx];
-            sum.0 += value;
-            sum.1 += count;
+impl Spread {
+    /// Prepares for the non-empty sites of a lattice, ascending.
+    pub fn new(sites: &[u32], lattice: u32) -> Spread {
+        let mut edge = lattice as usize;
+        // Cubes of a level by their place in it, and all of them.
+        let mut cubes: Vec<u32> = sites.to_vec();
+        let mut levels = Vec::new();
+        let (mut parents, mut counts) = (Vec::new(), vec![1.0; sites.len()]);
+        let mut first = 0;
+        while edge > 1 && !sites.is_empty() {
+            let half = edge / 2;
+            let above = |&cube: &u32| {
+                let cube = cube as usize;
+                let [x, y, z] = [cube % edge, cube / edge % edge, cube / edge / edge].map(|c| c / 2);
+                ((z * half + y) * half + x) as u32
+            };
+            let mut next: Vec<u32> = cubes.iter().map(above).collect();
+            next.sort_unstable();
+            next.dedup();
+            let place = |cube: &u32| next.binary_search(&above(cube)).expect("it is there") as u32;
+            let of_level: Vec<u32> = cubes.iter().map(place).collect();
+            let mut sums = vec![0.0; next.len()];
+            of_level.iter().zip(&counts[first..]).for_each(|(&parent, count)| sums[parent as usize] += count);
+            first = counts.len();
+            counts.extend(sums);
+            parents.push(of_level);
+            levels.push((std::mem::replace(&mut cubes, next), edge));
+            edge = half;
         }
-        sum
-    };
-    (0..half * half * half).map(sum).collect()
+        // From the top, each level tells those below that are empty.
+        let mut numbers = vec![counts.len().saturating_sub(1) as u32];
+        let mut end = first;
+        for (cubes, edge) in levels.into_iter().rev() {
+            let half = edge / 2;
+            let mut below = Vec::with_capacity(edge * edge * edge);
+            for z in 0..edge {
+                for y in 0..edge {
+                    let row = &numbers[(z / 2 * half + y / 2) * half..][..half];
+                    below.extend(row.iter().flat_map(|&number| [number; 2]));
+                }
+            }
+            let start = end - cubes.len();
+            (start..end).zip(cubes).for_each(|(number, cube)| below[cube as usize] = number as u32);
+            (numbers, end) = (below, start);
+        }
+        Spread { parents, counts, cubes: numbers }
+    }
+
+    /// Writes a band of a field from the values at the sites; without sites, nothing.
+    pub fn write(&self, values: &[f32], field: &mut Field, band: u32) {
+        if values.is_empty() {
+            return;
+        }
+        let mut means = values.to_vec();
+        let mut first = 0;
+        for parents in &self.parents {
+            let end = means.len();
+            means.resize(end + parents.iter().max().map_or(0, |last| *last as usize + 1), 0.0);
+            let (level, next) = means[first..].split_at_mut(end - first);
+            parents.iter().zip(level).for_each(|(&parent, sum)| next[parent as usize] += *sum);
+            first = end;
+        }
+        means.iter_mut().zip(&self.counts).for_each(|(mean, count)| *mean /= count);
+        let n = field.lattice as usize;
+        let out = &mut field.values[band as usize * n * n * n..][..n * n * n];
+        out.iter_mut().zip(&self.cubes).for_each(|(out, &cube)| *out = means[cube as usize]);
+    }
 }
 
 #[cfg(test)]
@@ -62,7 +94,7 @@ mod tests {
     fn empty_sites_take_the_mean_of_the_nearest_cube_with_matter() {
         let mut field = Field::zeros(4, 2);
         // Sites (0, 0, 0) and (1, 0, 0) share a cube of 2^3; (3, 3, 3) has one of its own.
-        spread(&[0, 1, 63], &[1.0, 3.0, 8.0], &mut field, 1);
+        Spread::new(&[0, 1, 63], 4).write(&[1.0, 3.0, 8.0], &mut field, 1);
         assert!(field.band(0).iter().all(|&v| v == 0.0));
         let band = field.band(1);
         assert_eq!([band[0], band[1], band[63]], [1.0, 3.0, 8.0]);
@@ -71,10 +103,60 @@ mod tests {
         assert_eq!(band[3], 4.0); // (3, 0, 0): the whole lattice
     }
 
+    /// Sums over the whole lattice, level by level.
+    fn by_sums_over_all(sites: &[u32], values: &[f32], lattice: usize) -> Vec<f32> {
+        let mut levels = vec![vec![(0.0_f32, 0.0_f32); lattice * lattice * lattice]];
+        sites.iter().zip(values).for_each(|(&site, &value)| levels[0][site as usize] = (value, 1.0));
+        let mut edge = lattice;
+        while edge > 1 {
+            let half = edge / 2;
+            let mut above = vec![(0.0, 0.0); half * half * half];
+            for (cube, (value, count)) in levels[levels.len() - 1].iter().enumerate() {
+                let [x, y, z] = [cube % edge, cube / edge % edge, cube / edge / edge].map(|c| c / 2);
+                let sum = &mut above[(z * half + y) * half + x];
+                *sum = (sum.0 + value, sum.1 + count);
+            }
+            levels.push(above);
+            edge = half;
+        }
+        let of_site = |site: usize| {
+            let mut at = [site % lattice, site / lattice % lattice, site / lattice / lattice];
+            let mut edge = lattice;
+            for level in &levels {
+                let (sum, count) = level[(at[2] * edge + at[1]) * edge + at[0]];
+                if count > 0.0 {
+                    return sum / count;
+                }
+                (at, edge) = (at.map(|c| c / 2), edge / 2);
+            }
+            unreachable!("the last cube holds all sites")
+        };
+        (0..lattice * lattice * lattice).map(of_site).collect()
+    }
+
+    #[test]
+    fn a_pyramid_that_is_made_once_gives_what_sums_over_the_lattice_give() {
+        let mut state = 7_u32;
+        let mut random = || {
+            state = state.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
+            state >> 8
+        };
+        for share in [1, 40, 900] {
+            let sites: Vec<u32> = (0..16 * 16 * 16).filter(|_| random() % 1000 < share).collect();
+            let spread = Spread::new(&sites, 16);
+            for _ in 0..2 {
+                let values: Vec<f32> = sites.iter().map(|_| random() as f32 / 1e5).collect();
+                let mut field = Field::zeros(16, 1);
+                spread.write(&values, &mut field, 0);
+                assert_eq!(field.band(0), by_sums_over_all(&sites, &values, 16));
+            }
+        }
+    }
+
     #[test]
     fn a_plant_without_sites_has_no_light() {
         let mut field = Field::zeros(4, 1);
-        spread(&[], &[], &mut field, 0);
+        Spread::new(&[], 4).write(&[], &mut field, 0);
         assert!(field.values.iter().all(|&v| v == 0.0));
     }
 }

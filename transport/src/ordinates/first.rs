@@ -1,0 +1,292 @@
+//! The first scattering of beams: what the sites scatter of them by their phase functions -> what arrives everywhere.
+//!
+//! A beam's fluence changes along straight lines within a site, and so does what it scatters. A ray goes there and back
+//! before the next one; geometry and light of its crossings are made once for both ways.
+
+use flb_format::beam::Beam;
+use prefetch_index::prefetch_index;
+use pulp::{Arch, NullaryFnOnce};
+
+use super::lanes::Lanes;
+use super::march::{FINE, March, OrdinateTracks, Segment, WAYS};
+use super::moments::Moments;
+use crate::turbid::Phase;
+
+impl March {
+    /// Moments of the light of up to [`LANES`] beams after one scattering, by the phase functions themselves,
+    /// `[band][site]`. A beam's fluence changes along straight lines within a site, and so does what it scatters: taken
+    /// constant, sites that are dense and lit from one side would be several per cent off.
+    pub(super) fn first_scattering<const M: usize, const B: usize>(
+        &self,
+        matter: [&SiteScattering; B],
+        beams: &[&Beam],
+    ) -> [Moments<M>; B] {
+        let lanes = |of: &dyn Fn(&Beam) -> f32| {
+            Lanes(std::array::from_fn(|lane| beams.get(lane).map_or(0.0, |beam| of(beam))))
+        };
+        let lights: Vec<SiteLight> = (0..self.escape.len())
+            .map(|site| {
+                let slope = |i: usize| lanes(&|beam| beam.slope[site][i]);
+                [LanePair([lanes(&|beam| beam.mean[site]), slope(0)]), LanePair([slope(1), slope(2)])]
+            })
+            .collect();
+        let albedos: Vec<Albedos<B>> =
+            (0..self.escape.len()).map(|site| Albedos(matter.map(|matter| matter.albedos[site]))).collect();
+        // What leaf and wood of albedo 1 scatter of a beam into a direction, and what that is in all.
+        let phase_of = |phase: Phase, beam: &Beam, direction: [f32; 3]| {
+            let along = |i: usize| -beam.towards_sun[i] * f64::from(direction[i]);
+            phase.at(along(0) + along(1) + along(2)) as f32
+        };
+        let whole = matter.map(|matter| {
+            matter.phases.map(|phase| {
+                let ways = |axis: &OrdinateTracks, beam: &Beam| {
+                    WAYS.map(|way| phase_of(phase, beam, axis.direction(way)))
+                };
+                let of = |beam: &Beam| {
+                    self.axes
+                        .iter()
+                        .map(|axis| axis.weight * ways(axis, beam).iter().sum::<f32>())
+                        .sum::<f32>()
+                };
+                lanes(&of)
+            })
+        });
+        let turned_by = |axis: &OrdinateTracks| -> [[[Lanes; 2]; B]; 2] {
+            WAYS.map(|way| {
+                let direction = axis.direction(way);
+                std::array::from_fn(|band| {
+                    std::array::from_fn(|i| {
+                        let scattered = lanes(&|beam| phase_of(matter[band].phases[i], beam, direction));
+                        // An idle lane has no light: 0 of 0.
+                        Lanes(std::array::from_fn(|lane| {
+                            scattered.0[lane] / whole[band][i].0[lane].max(f32::MIN_POSITIVE)
+                        }))
+                    })
+                })
+            })
+        };
+        let of_axes = |axes: &[OrdinateTracks]| {
+            let mut first = vec![[[Lanes::default(); M]; B]; self.escape.len()];
+            let (mut crossed, albedos, lights) = (Vec::new(), &albedos, &lights);
+            for axis in axes {
+                let (turned, first, crossed) = (&turned_by(axis), &mut first, &mut crossed);
+                Arch::new().dispatch(FirstJob { axis, albedos, turned, lights, first, crossed });
+            }
+            first
+        };
+        let add = |first: &mut Vec<[[Lanes; M]; B]>, other: Vec<[[Lanes; M]; B]>| {
+            let sums = first.as_flattened_mut().as_flattened_mut().iter_mut();
+            sums.zip(other.as_flattened().as_flattened()).for_each(|(sum, other)| *sum += *other);
+        };
+        let first = by_halves(&self.axes, HALVINGS, &of_axes, &add);
+        std::array::from_fn(|band| first.iter().map(|first| first[band]).collect())
+    }
+}
+
+/// Times that the axes are halved, so that more threads than groups of suns find work.
+pub(super) const HALVINGS: u32 = 2;
+
+/// Light of halves of the axes, added. Threads may share it; the order of additions is the same for one.
+fn by_halves<T: Send>(
+    axes: &[OrdinateTracks],
+    halvings: u32,
+    of: &(impl Fn(&[OrdinateTracks]) -> T + Sync),
+    add: &(impl Fn(&mut T, T) + Sync),
+) -> T {
+    if halvings == 0 {
+        return of(axes);
+    }
+    let (here, there) = axes.split_at(axes.len() / 2);
+    let half = |axes| by_halves(axes, halvings - 1, of, add);
+    let (mut sum, other) = rayon::join(|| half(here), || half(there));
+    add(&mut sum, other);
+    sum
+}
+
+impl OrdinateTracks {
+    /// See [`March::first_scattering`]: `turned` is what leaf and wood of albedo 1 scatter of each beam into this
+    /// direction and into the opposite one, in each band; `albedos` are those of each site, in each band.
+    #[inline(always)]
+    fn scatter_first<const M: usize, const B: usize>(
+        &self,
+        albedos: &[Albedos<B>],
+        turned: &[[[Lanes; 2]; B]; 2],
+        lights: &[SiteLight],
+        first: &mut [[[Lanes; M]; B]],
+        crossed: &mut Vec<Crossed<B>>,
+    ) {
+        let [there, back]: [[f32; M]; 2] = WAYS.map(|way| self.moments(way));
+        for (ray, later) in self.rays() {
+            crossed.clear();
+            let mut rays = [Lanes::default(); B];
+            for (at, segment) in ray.iter().enumerate() {
+                // Two lines of a cache each.
+                let later = later.get(at).map_or(0, Segment::place);
+                prefetch_index(lights.as_flattened(), 2 * later);
+                prefetch_index(lights.as_flattened(), 2 * later + 1);
+                prefetch_index(first.as_flattened(), B * later);
+                prefetch_index(first.as_flattened(), B * later + B - 1);
+                prefetch_index(albedos, later);
+                let place = segment.place();
+                let slanted = Slanted::new(segment);
+                let light = slanted.light(&lights[place], self.direction);
+                let mut adds = [Lanes::default(); B];
+                for band in 0..B {
+                    let (albedos, turned) = (albedos[place].0[band], &turned[0][band]);
+                    adds[band] = slanted.cross(albedos, turned, &light, segment, &mut rays[band]);
+                }
+                crossed.push(Crossed { slanted, light: light.reversed(), adds });
+            }
+            rays = [Lanes::default(); B];
+            for (segment, crossed) in ray.iter().zip(&*crossed).rev() {
+                let Crossed { slanted, light, adds } = crossed;
+                let place = segment.place();
+                let first = &mut first[place];
+                for band in 0..B {
+                    let (albedos, turned) = (albedos[place].0[band], &turned[1][band]);
+                    let adds_back = slanted.cross(albedos, turned, light, segment, &mut rays[band]);
+                    for ((first, there), back) in first[band].iter_mut().zip(there).zip(back) {
+                        *first += there * adds[band] + back * adds_back;
+                    }
+                }
+            }
+        }
+    }
+}
+
+/// A segment that light has crossed on its way there, for the way back.
+struct Crossed<const B: usize> {
+    slanted: Slanted,
+    /// Of the way back.
+    light: SlantedLight,
+    /// What the way there adds to the mean of the site, in each band.
+    adds: [Lanes; B],
+}
+
+/// [`OrdinateTracks::scatter_first`], compiled for the SIMD of this machine.
+struct FirstJob<'a, const M: usize, const B: usize> {
+    axis: &'a OrdinateTracks,
+    albedos: &'a [Albedos<B>],
+    turned: &'a [[[Lanes; 2]; B]; 2],
+    lights: &'a [SiteLight],
+    first: &'a mut [[[Lanes; M]; B]],
+    crossed: &'a mut Vec<Crossed<B>>,
+}
+
+impl<const M: usize, const B: usize> NullaryFnOnce for FirstJob<'_, M, B> {
+    type Output = ();
+
+    #[inline(always)]
+    fn call(self) {
+        let FirstJob { axis, albedos, turned, lights, first, crossed } = self;
+        axis.scatter_first(albedos, turned, lights, first, crossed);
+    }
+}
+
+/// What leaf and wood scatter, in one band.
+pub(super) struct SiteScattering {
+    /// `[site][leaf, wood]`: albedo x share of the site's extinction.
+    pub albedos: Vec<[f32; 2]>,
+    /// Phase functions of leaf and of wood.
+    pub phases: [Phase; 2],
+}
+
+/// A segment through a source that changes along it.
+#[derive(Clone, Copy)]
+struct Slanted {
+    /// Site edges.
+    length: f32,
+    /// Of the ordinate, times the share of the site's segments.
+    weight: f32,
+    /// From the mean place of the axis's segments of the site to the middle of this one, in site edges.
+    offset: [f32; 3],
+    /// What a source that rises by 1 along the segment, 0 in the middle, adds to the light that leaves.
+    leaves: f32,
+    /// ... and to the mean along the segment: what left was not added there.
+    stays: f32,
+}
+
+impl Slanted {
+    #[inline(always)]
+    fn new(segment: &Segment) -> Slanted {
+        let s = segment.depth;
+        let gone = 1.0 - segment.transmittance;
+        // Series where the closed forms cancel.
+        let (mean, leaves, stays) = if s < 0.03 {
+            let stays = -s / 12.0 * (1.0 - 0.5 * s);
+            (1.0 - 0.5 * s, -stays * s, stays)
+        } else {
+            let mean = gone / s;
+            let leaves = 1.0 - mean - 0.5 * gone;
+            (mean, leaves, -leaves / s)
+        };
+        let offset = segment.offset.map(|c| f32::from(c) * (1.0 / FINE));
+        Slanted { length: segment.length, weight: segment.adds / mean, offset, leaves, stays }
+    }
+
+    /// The beams' light along the segment, that of the site given as mean and slopes.
+    #[inline(always)]
+    fn light(
+        &self,
+        [LanePair([mean, x]), LanePair([y, z])]: &SiteLight,
+        direction: [f32; 3],
+    ) -> SlantedLight {
+        let [dx, dy, dz] = direction.map(|c| c * self.length);
+        let [ox, oy, oz] = self.offset;
+        let light = |along: [f32; 3]| along[0] * *x + along[1] * *y + along[2] * *z;
+        SlantedLight { mean: *mean, aside: light([ox, oy, oz]), along: light([dx, dy, dz]) }
+    }
+
+    /// Carries the ray across, and gives what the segment adds to the mean of the site over all directions.
+    #[inline(always)]
+    fn cross(
+        &self,
+        [leaf, wood]: [f32; 2],
+        [of_leaf, of_wood]: &[Lanes; 2],
+        light: &SlantedLight,
+        segment: &Segment,
+        ray: &mut Lanes,
+    ) -> Lanes {
+        let share = leaf * *of_leaf + wood * *of_wood;
+        let (aside, along, even) = (share * light.aside, share * light.along, share * light.mean);
+        let source = even + aside;
+        let beyond = *ray - source;
+        *ray = source + segment.transmittance * beyond + self.leaves * along;
+        // The even part is the same for all segments of the site, whose weights sum to the ordinate's.
+        segment.adds * beyond + self.weight * (source + self.stays * along)
+    }
+}
+
+/// Light of beams within a site: mean, and slope along x, y and z.
+type SiteLight = [LanePair; 2];
+
+/// Fills a line of a cache.
+#[derive(Clone, Copy)]
+#[repr(align(64))]
+struct LanePair([Lanes; 2]);
+
+/// Albedos of a site, `[band][leaf, wood]`, within a line of a cache.
+#[repr(align(32))]
+struct Albedos<const B: usize>([[f32; 2]; B]);
+
+/// Light of beams along a segment.
+#[derive(Clone, Copy)]
+struct SlantedLight {
+    /// Mean over the site.
+    mean: Lanes,
+    /// What its middle has beyond the mean.
+    aside: Lanes,
+    /// By how much it rises from where the ray enters to where it leaves.
+    along: Lanes,
+}
+
+impl SlantedLight {
+    /// Of a ray that goes the other way.
+    #[inline(always)]
+    fn reversed(&self) -> SlantedLight {
+        SlantedLight { along: -self.along, ..*self }
+    }
+}
+
+#[cfg(test)]
+mod tests;
