@@ -407,15 +407,21 @@ fn sites_of(
 
 /// The means of the near beam, which are linear in the beam, of the sums over the sky.
 fn add_near(sites: &mut [OfSite], near: &Near, count: usize, mean: [f32; BANDS]) {
-    let of = |beam: &dyn Fn(&OfSite) -> f32| {
-        let own: Vec<f32> = sites.iter().map(beam).collect();
-        let around = near.around(&own);
+    let own = |beam: &dyn Fn(&OfSite) -> f32| -> Vec<f32> { sites.iter().map(beam).collect() };
+    let own = [
+        own(&|site| site.even[0]),
+        own(&|site| site.sky[0][0]),
+        own(&|site| site.sky[1][0]),
+        own(&|site| site.sky[2][0]),
+    ];
+    let around = near.around_each(&own.each_ref().map(Vec::as_slice));
+    let mut all = own.into_iter().zip(around).map(|(own, around)| {
         let mut means = vec![own];
         means.extend(around);
         means
-    };
-    let even = of(&|site| site.even[0]);
-    let sky = [0, 1, 2].map(|band| of(&|site| site.sky[band][0]));
+    });
+    let mut next = || all.next().expect("there are four");
+    let (even, sky) = (next(), [next(), next(), next()]);
     for (place, site) in sites.iter_mut().enumerate() {
         for j in 0..count {
             site.near[j] = even[j][place];

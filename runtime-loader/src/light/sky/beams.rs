@@ -14,6 +14,7 @@
 use std::sync::Arc;
 
 use flb_format::Transform;
+use flb_format::beam::single::BESIDE;
 use flb_format::beam::{MAX_MEANS, means};
 use flb_format::light::SunBasis;
 use flb_format::ordinates::Ordinates;
@@ -67,11 +68,17 @@ impl SkyBeams {
             let (own, around) = all.split_at_mut(1);
             let of = |k: usize| -> Vec<f32> { own[0].iter().map(|site| site[k]).collect() };
             in_order(
-                HARMONICS,
-                |k| near.around(&of(k)),
-                |k, found| {
-                    for (to, from) in around.iter_mut().zip(found) {
-                        to.iter_mut().zip(from).for_each(|(site, value)| site[k] = value);
+                HARMONICS.div_ceil(BESIDE),
+                |some| {
+                    let own: Vec<Vec<f32>> =
+                        (some * BESIDE..HARMONICS.min((some + 1) * BESIDE)).map(of).collect();
+                    near.around_each(&own.iter().map(Vec::as_slice).collect::<Vec<_>>())
+                },
+                |some, found| {
+                    for (k, found) in (some * BESIDE..).zip(found) {
+                        for (to, from) in around.iter_mut().zip(found) {
+                            to.iter_mut().zip(from).for_each(|(site, value)| site[k] = value);
+                        }
                     }
                 },
             );
