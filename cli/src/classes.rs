@@ -6,7 +6,7 @@ use flb_scene::scene::SceneSpecies;
 use flb_scene::{
     ClassRules, ClassedMesh, ImportSettings, Mesh, Observer, PlantReader, SpeciesFile, Unobserved,
 };
-use flb_stage::open;
+use flb_stage::{open, read};
 
 use crate::args::MeshArgs;
 use crate::exit::Failure;
@@ -50,12 +50,12 @@ impl MeshReader {
     /// The mesh with its classes; classes that were not stated are printed on stderr.
     pub(crate) fn read_classed(&self, path: &Path) -> Result<ClassedMesh, Failure> {
         check_local(path)?;
-        Ok(open::read_classed(path, &self.plants, observer(self.quiet))?)
+        Ok(read::read_classed(path, &self.plants, observer(self.quiet))?)
     }
 
     /// Says on stderr what of a mesh is there twice and counts once.
     pub(crate) fn say_sheets(&self, path: &Path, classed: &ClassedMesh) {
-        open::tell_sheets(path, classed, observer(self.quiet));
+        read::tell_sheets(path, classed, observer(self.quiet));
     }
 
     /// The size of a mesh that was read, and doubts about it, which go to stderr.
@@ -75,7 +75,7 @@ impl MeshReader {
 /// The mesh; what import repaired or ignored goes to stderr, unless `quiet`.
 pub(crate) fn read_mesh(path: &Path, settings: &ImportSettings, quiet: bool) -> Result<Mesh, Failure> {
     check_local(path)?;
-    open::read_mesh(path, settings, observer(quiet)).map_err(|error| Failure::from(error).at(path))
+    read::read_mesh(path, settings, observer(quiet)).map_err(|error| Failure::from(error).at(path))
 }
 
 /// Hears what is said on stderr, unless `quiet`.

@@ -65,6 +65,7 @@ mod mesh_of_light;
 mod neighbours;
 pub mod open;
 pub mod plant;
+pub mod read;
 mod renderer;
 mod sky;
 mod stage;

@@ -13,7 +13,7 @@ use flb_scene::plant::{recorded_classes, recorded_settings};
 use flb_scene::{ClassRules, ClassedMesh, ImportSettings, Mesh, Observer};
 
 use crate::StageError;
-use crate::open::read_mesh;
+use crate::read::read_mesh;
 
 /// The digits of a digest that a message shows.
 pub(crate) fn short(digest: &str) -> &str {
