@@ -306,8 +306,7 @@ fn beams_of(near: &Near, suns: &[Sun]) -> Vec<NearBeam> {
         near.around_each(&means)
     };
     let around: Vec<_> = beams.par_chunks(beam::single::BESIDE).flat_map_iter(means).collect();
-    let single = near.is_single();
-    beams.into_iter().zip(around).map(|(beam, around)| NearBeam { beam, around, single }).collect()
+    beams.into_iter().zip(around).map(|(beam, around)| near.with_means(beam, around)).collect()
 }
 
 /// Fits each band, where the suns are harmonics.

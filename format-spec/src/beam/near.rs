@@ -103,12 +103,12 @@ impl<'m> Near<'m> {
     pub fn beam(&self, towards_sun: [f64; 3], rays: u32) -> NearBeam {
         let beam = self.uncollided(towards_sun, rays);
         let around = self.around(&beam.mean);
-        NearBeam { beam, around, single: self.axes.is_some() }
+        self.with_means(beam, around)
     }
 
-    /// Whether its means hold the light scattered once.
-    pub fn is_single(&self) -> bool {
-        self.axes.is_some()
+    /// The near beam of a beam whose means [`Near::around`] or [`Near::around_each`] gave.
+    pub fn with_means(&self, beam: Beam, around: Vec<Vec<f32>>) -> NearBeam {
+        NearBeam { beam, around, single: self.axes.is_some() }
     }
 
     /// The beam alone.

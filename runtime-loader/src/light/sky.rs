@@ -407,26 +407,17 @@ fn sites_of(
 
 /// The means of the near beam, which are linear in the beam, of the sums over the sky.
 fn add_near(sites: &mut [OfSite], near: &Near, count: usize, mean: [f32; BANDS]) {
-    let own = |beam: &dyn Fn(&OfSite) -> f32| -> Vec<f32> { sites.iter().map(beam).collect() };
-    let own = [
-        own(&|site| site.even[0]),
-        own(&|site| site.sky[0][0]),
-        own(&|site| site.sky[1][0]),
-        own(&|site| site.sky[2][0]),
-    ];
-    let around = near.around_each(&own.each_ref().map(Vec::as_slice));
-    let mut all = own.into_iter().zip(around).map(|(own, around)| {
-        let mut means = vec![own];
-        means.extend(around);
-        means
+    // Of the even sky, then of each band of the sky.
+    let own: [Vec<f32>; 1 + BANDS] = std::array::from_fn(|of| match of {
+        0 => sites.iter().map(|site| site.even[0]).collect(),
+        _ => sites.iter().map(|site| site.sky[of - 1][0]).collect(),
     });
-    let mut next = || all.next().expect("there are four");
-    let (even, sky) = (next(), [next(), next(), next()]);
+    let around = near.around_each(&own.each_ref().map(Vec::as_slice));
     for (place, site) in sites.iter_mut().enumerate() {
         for j in 0..count {
-            site.near[j] = even[j][place];
-            (0..BANDS)
-                .for_each(|band| site.beyond[band][j] = sky[band][j][place] - mean[band] * even[j][place]);
+            let of = |of: usize| if j == 0 { own[of][place] } else { around[of][j - 1][place] };
+            site.near[j] = of(0);
+            (0..BANDS).for_each(|band| site.beyond[band][j] = of(1 + band) - mean[band] * of(0));
         }
     }
 }

@@ -129,7 +129,7 @@ impl OrdinateTracks {
                 prefetch_index(albedos, later);
                 let place = segment.place();
                 let slanted = Slanted::new(segment);
-                let light = slanted.light(&lights[place], self.direction);
+                let light = SlantedLight::new(segment, self.direction, &lights[place]);
                 let mut adds = [Lanes::default(); B];
                 for band in 0..B {
                     let (albedos, turned) = (albedos[place].0[band], &turned[0][band]);
@@ -194,12 +194,8 @@ pub(super) struct SiteScattering {
 /// A segment through a source that changes along it.
 #[derive(Clone, Copy)]
 struct Slanted {
-    /// Site edges.
-    length: f32,
     /// Of the ordinate, times the share of the site's segments.
     weight: f32,
-    /// From the mean place of the axis's segments of the site to the middle of this one, in site edges.
-    offset: [f32; 3],
     /// What a source that rises by 1 along the segment, 0 in the middle, adds to the light that leaves.
     leaves: f32,
     /// ... and to the mean along the segment: what left was not added there.
@@ -220,21 +216,7 @@ impl Slanted {
             let leaves = 1.0 - mean - 0.5 * gone;
             (mean, leaves, -leaves / s)
         };
-        let offset = segment.offset.map(|c| f32::from(c) * (1.0 / FINE));
-        Slanted { length: segment.length, weight: segment.adds / mean, offset, leaves, stays }
-    }
-
-    /// The beams' light along the segment, that of the site given as mean and slopes.
-    #[inline(always)]
-    fn light(
-        &self,
-        [LanePair([mean, x]), LanePair([y, z])]: &SiteLight,
-        direction: [f32; 3],
-    ) -> SlantedLight {
-        let [dx, dy, dz] = direction.map(|c| c * self.length);
-        let [ox, oy, oz] = self.offset;
-        let light = |along: [f32; 3]| along[0] * *x + along[1] * *y + along[2] * *z;
-        SlantedLight { mean: *mean, aside: light([ox, oy, oz]), along: light([dx, dy, dz]) }
+        Slanted { weight: segment.adds / mean, leaves, stays }
     }
 
     /// Carries the ray across, and gives what the segment adds to the mean of the site over all directions.
@@ -281,6 +263,19 @@ struct SlantedLight {
 }
 
 impl SlantedLight {
+    /// The beams' light along a segment, from that of its site.
+    #[inline(always)]
+    fn new(
+        segment: &Segment,
+        direction: [f32; 3],
+        [LanePair([mean, x]), LanePair([y, z])]: &SiteLight,
+    ) -> SlantedLight {
+        let light = |along: [f32; 3]| along[0] * *x + along[1] * *y + along[2] * *z;
+        // From the mean place of the axis's segments of the site to the middle of this one, in site edges.
+        let aside = light(segment.offset.map(|c| f32::from(c) * (1.0 / FINE)));
+        SlantedLight { mean: *mean, aside, along: light(direction.map(|c| c * segment.length)) }
+    }
+
     /// Of a ray that goes the other way.
     #[inline(always)]
     fn reversed(&self) -> SlantedLight {

@@ -49,13 +49,9 @@ impl Scattering<'_> {
     /// Scattered light of all suns, and of a sky of fluence 1 where that is wanted, in each band.
     pub(super) fn scatter(&self, bands: &[Band], progress: &Progress<'_>) -> Result<Vec<Lit>, Cancelled> {
         // The sky goes with the last suns, or by itself where they fill their lanes.
-        let mut groups: Vec<Group> = (0..self.beams.len().div_ceil(LANES))
-            .map(|group| Group {
-                first_sun: group * LANES,
-                beams: self.beams.chunks(LANES).nth(group).unwrap_or(&[]),
-                sky: false,
-            })
-            .collect();
+        let chunks = self.beams.chunks(LANES).enumerate();
+        let mut groups: Vec<Group> =
+            chunks.map(|(at, beams)| Group { first_sun: at * LANES, beams, sky: false }).collect();
         if self.settings.sky() {
             match groups.last_mut().filter(|_| !self.beams.len().is_multiple_of(LANES)) {
                 Some(last) => last.sky = true,

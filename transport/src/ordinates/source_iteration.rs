@@ -31,19 +31,20 @@ pub(super) fn arrives<const M: usize>(
     gains: &ScatteringMoments,
     light: &Moments<M>,
 ) -> Moments<M> {
-    let mut sites =
-        vec![Exchange { source: [Lanes::default(); M], excess: [Lanes::default(); M] }; light.len()];
-    send_out(&mut sites, gains, light);
+    let mut sites: Vec<Exchange<M>> = sending_out(gains, light).collect();
     march.pass(&mut sites);
     sites.iter().map(Exchange::arrives).collect()
 }
 
-/// Sites send out W x, and nothing has arrived.
-fn send_out<const M: usize>(sites: &mut [Exchange<M>], gains: &ScatteringMoments, light: &Moments<M>) {
-    for ((site, light), gain) in sites.iter_mut().zip(light).zip(&gains.0) {
-        site.source = std::array::from_fn(|a| gain[degree(a)] * light[a]);
-        site.excess = [Lanes::default(); M];
-    }
+/// Sites that send out W x, where nothing has arrived.
+fn sending_out<const M: usize>(
+    gains: &ScatteringMoments,
+    light: &Moments<M>,
+) -> impl Iterator<Item = Exchange<M>> {
+    light.iter().zip(&gains.0).map(|(light, gain)| Exchange {
+        source: std::array::from_fn(|a| gain[degree(a)] * light[a]),
+        excess: [Lanes::default(); M],
+    })
 }
 
 /// Iterates until the estimated error of every lane is within `tolerance`, or `most` passes are done. Errors are
@@ -56,15 +57,15 @@ pub(super) fn source_iteration<const M: usize>(
     tolerance: f64,
     most: u32,
 ) -> Relaxed<M> {
-    let zero = [Lanes::default(); M];
     let mut light = first.clone();
-    let mut sites = vec![Exchange { source: zero, excess: zero }; first.len()];
-    let mut step = vec![zero; first.len()];
+    let mut sites = Vec::with_capacity(first.len());
+    let mut step = vec![[Lanes::default(); M]; first.len()];
     let mut mixing = Mixing { before: None, kept: Vec::new() };
     let albedo = gains.albedo();
     let (mut passes, mut error_estimate, mut residual_before) = (0, f64::INFINITY, f64::INFINITY);
     while passes < most {
-        send_out(&mut sites, gains, &light);
+        sites.clear();
+        sites.extend(sending_out(gains, &light));
         march.pass(&mut sites);
         passes += 1;
         let residual = become_step(march, gains, first, &sites, &light, &mut step, sizes);

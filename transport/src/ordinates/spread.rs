@@ -72,9 +72,9 @@ impl Spread {
         }
         let mut means = values.to_vec();
         let mut first = 0;
-        for parents in &self.parents {
+        for (level, parents) in self.parents.iter().enumerate() {
             let end = means.len();
-            means.resize(end + parents.iter().max().map_or(0, |last| *last as usize + 1), 0.0);
+            means.resize(end + self.parents.get(level + 1).map_or(1, Vec::len), 0.0);
             let (level, next) = means[first..].split_at_mut(end - first);
             parents.iter().zip(level).for_each(|(&parent, sum)| next[parent as usize] += *sum);
             first = end;
