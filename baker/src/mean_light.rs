@@ -6,6 +6,7 @@ use flb_format::sample::site_of;
 use flb_format::sun::harmonics;
 use flb_format::{Field, SpeciesMeta, mean_light};
 use flb_transport::cholesky;
+use rayon::prelude::*;
 
 /// Highest degree for light of single suns, which are few.
 const MAX_STORED_DEGREE: u8 = 2;
@@ -52,7 +53,7 @@ fn mean_light(
                 }
                 Some(sum)
             };
-            (0..count).map(of_harmonic).collect::<Option<_>>().unwrap_or_default()
+            (0..count).into_par_iter().map(of_harmonic).collect::<Option<_>>().unwrap_or_default()
         }
         _ => {
             let single = |(item, field): &(u8, Field)| Some((suns.sun_of(*item)?, mean(field, None)));

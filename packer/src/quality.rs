@@ -5,10 +5,14 @@
 
 use flb_format::container::payload::BlockPage;
 use flb_format::{Field, sample};
+use rayon::prelude::*;
 use serde::Serialize;
 
 use crate::rate::Missed;
 use crate::surface::{POINTS_PER_SITE, surface_point};
+
+/// Sites that are measured at once; sums are taken in their order.
+const SITES_AT_ONCE: usize = 4096;
 
 /// Sizes and errors of a coded species.
 #[derive(Debug, Clone, PartialEq, Serialize)]
@@ -119,33 +123,43 @@ impl SurfaceError {
     pub(crate) fn of_samples(
         sites: &[u32],
         field: &Field,
-        sample: impl Fn([f64; 3], &mut [f32]),
+        sample: impl Fn([f64; 3], &mut [f32]) + Sync,
     ) -> SurfaceError {
         SurfaceError::measure(sites, field, |point, out, _| sample(point, out))
     }
 
+    /// `coded` writes what is read at a point, in lattice coordinates, in place of the original's values, which it is
+    /// given.
     fn measure(
         sites: &[u32],
         field: &Field,
-        mut coded: impl FnMut([f64; 3], &mut [f32], &[f32]),
+        coded: impl Fn([f64; 3], &mut [f32], &[f32]) + Sync,
     ) -> SurfaceError {
         let bands = field.bands as usize;
-        let (mut original, mut other) = (vec![0.0f32; bands], vec![0.0f32; bands]);
-        let (mut square, mut peak, mut max_error) = (0.0f64, 0.0f64, 0.0f64);
-        for &site in sites {
-            for k in 0..POINTS_PER_SITE {
-                let point = surface_point(site, k, field.lattice);
-                sample::trilinear(field, point, &mut original);
-                coded(point, &mut other, &original);
-                for (a, b) in original.iter().zip(&other) {
-                    let error = f64::from(*a) - f64::from(*b);
-                    square += error * error;
-                    peak = peak.max(f64::from(a.abs())); // coefficients of harmonics may be negative
-                    max_error = max_error.max(error.abs());
+        let of_some = |sites: &[u32]| {
+            let (mut original, mut other) = (vec![0.0f32; bands], vec![0.0f32; bands]);
+            let (mut square, mut peak, mut max_error) = (0.0f64, 0.0f64, 0.0f64);
+            for &site in sites {
+                for k in 0..POINTS_PER_SITE {
+                    let point = surface_point(site, k, field.lattice);
+                    sample::trilinear(field, point, &mut original);
+                    coded(point, &mut other, &original);
+                    for (a, b) in original.iter().zip(&other) {
+                        let error = f64::from(*a) - f64::from(*b);
+                        square += error * error;
+                        peak = peak.max(f64::from(a.abs())); // coefficients of harmonics may be negative
+                        max_error = max_error.max(error.abs());
+                    }
                 }
             }
-        }
+            (square, peak, max_error)
+        };
+        let of_all: Vec<(f64, f64, f64)> = sites.par_chunks(SITES_AT_ONCE).map(of_some).collect();
         let count = (sites.len() * POINTS_PER_SITE as usize * bands).max(1);
-        SurfaceError { mean_square: square / count as f64, peak, max_error }
+        SurfaceError {
+            mean_square: of_all.iter().map(|(square, ..)| square).sum::<f64>() / count as f64,
+            peak: of_all.iter().map(|(_, peak, _)| *peak).fold(0.0, f64::max),
+            max_error: of_all.iter().map(|(.., error)| *error).fold(0.0, f64::max),
+        }
     }
 }

@@ -23,6 +23,7 @@ mod band;
 mod error;
 mod first;
 mod fit;
+mod halves;
 mod icosahedron;
 mod lanes;
 mod march;
@@ -48,10 +49,12 @@ pub use spread::Spread;
 pub use total::TotalLight;
 
 use std::borrow::Cow;
+use std::sync::Arc;
 
 use flb_format::Field;
 use flb_format::bases::BaseSet;
-use flb_format::beam::{self, BEAM_RAYS, Beam, Near, NearBeam};
+use flb_format::beam::single::OrdinateTracks;
+use flb_format::beam::{self, BEAM_RAYS, Beam, Near, NearBeam, Sites};
 use flb_format::matter::TurbidMedium;
 use flb_format::progress::Progress;
 use flb_format::sun::{SunBlend, harmonics};
@@ -212,11 +215,20 @@ pub fn solve_among(
     progress(0.0)?;
     let Surroundings { below, albedos, transmitted } = *surroundings;
     let plan = suns::SolvePlan::new(settings);
-    let beams = beams_of(&near(medium, &sites, settings.suns.needs_single()), &plan.suns);
-    progress(0.1)?;
     let refined = (settings.parts > 1).then(|| Refined::new(medium, &sites));
     let (fine, fine_sites) =
         refined.as_ref().map_or((medium, &sites), |refined| (&refined.medium, &refined.sites));
+    let mut march = Some(March::new(fine, fine_sites, settings.ordinates, settings.rays));
+    progress(0.05)?;
+    let has_rays_of_near = refined.is_none()
+        && settings.ordinates == beam::single::ORDINATES
+        && settings.rays == beam::single::rays(medium.grid.lattice);
+    let near = match march.as_ref().filter(|_| has_rays_of_near && settings.suns.needs_single()) {
+        Some(march) => Near::along(medium, &sites, march.tracks()),
+        None => near(medium, &sites, settings.suns.needs_single()),
+    };
+    let beams = beams_of(&near, &plan.suns);
+    drop(near);
     let fine_beams: Vec<Beam> = match &refined {
         Some(refined) => plan.suns.par_iter().map(|sun| refined.beam(sun.towards)).collect(),
         None => Vec::new(),
@@ -225,19 +237,16 @@ pub fn solve_among(
         Some(_) => fine_beams.iter().collect(),
         None => beams.iter().map(|near| &near.beam).collect(),
     };
-    let mut march = Some(March::new(fine, fine_sites, settings.ordinates, settings.rays));
     let mean_of = |values: Vec<f32>| match &refined {
         Some(refined) => refined.means(&values),
         None => values,
     };
-    let sky = march.as_ref().filter(|_| settings.sky());
-    let sky = sky.map(|march| mean_of(march.sky::<1>(below).into_iter().map(|[fluence]| fluence).collect()));
+    let open_sky = march.as_ref().filter(|_| settings.sky()).map(|march| march.sky::<1>(below));
+    let sky = open_sky.as_ref().map(|sky| mean_of(sky.as_flattened().to_vec()));
     progress(0.2)?;
 
     let items = settings.items();
-    // Memory that is not written to is none.
-    let zeros = || Field::zeros(medium.grid.lattice, bands.len() as u32);
-    let mut fields: Vec<Field> = items.iter().map(|_| zeros()).collect();
+    let mut fields: Vec<Field> = Vec::new();
     let mut reports = Vec::new();
     let far = |item: &u8| settings.suns.first_near_item().is_none_or(|near| *item < near);
     let mut total = TotalLight {
@@ -261,11 +270,17 @@ pub fn solve_among(
         let some: Vec<Band> = (at * BANDS_AT_ONCE..).zip(some).map(band).collect();
         let mut lit = {
             let march = march.as_ref().expect("it goes after the last bands");
-            let (plan, beams) = (&plan, marched.as_slice());
-            Scattering { march, plan, beams, below, settings, may_be_smooth: true }.scatter(&some, &made)?
+            let (plan, beams, open_sky) = (&plan, marched.as_slice(), open_sky.as_deref());
+            let scattering =
+                Scattering { march, plan, beams, below, open_sky, settings, may_be_smooth: true };
+            scattering.scatter(&some, &made)?
         };
         // The rays take as much memory as the fields.
         march = march.filter(|_| (at + 1) * BANDS_AT_ONCE < bands.len());
+        if fields.is_empty() {
+            let zeros = |_: &u8| Field::zeros(medium.grid.lattice, bands.len() as u32);
+            fields = items.par_iter().map(zeros).collect();
+        }
         lit.iter_mut().for_each(|lit| {
             lit.light.par_iter_mut().for_each(|light| *light = mean_of(std::mem::take(light)))
         });
@@ -289,7 +304,11 @@ pub fn solve_among(
 pub fn near<'m>(medium: &'m TurbidMedium, sites: &'m [u32], single: bool) -> Near<'m> {
     match single {
         false => Near::new(medium, sites, false),
-        true => Near::with_single(medium, sites, |lay| beam::single::axes().par_iter().map(lay).collect()),
+        true => {
+            let places = Sites::new(&medium.grid, sites);
+            let lay = |ordinate| Arc::new(OrdinateTracks::lay(medium, &places, sites, ordinate));
+            Near::along(medium, sites, beam::single::axes().par_iter().map(lay).collect())
+        }
     }
 }
 

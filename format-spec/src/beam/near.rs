@@ -5,6 +5,8 @@
 //! of sigma phi_0 / sum of sigma. Where the fields ask for it the last is what comes in after one even scattering
 //! ([`super::single`]), and one cube is enough.
 
+use std::sync::Arc;
+
 use crate::turbid::TurbidMedium;
 
 use super::single::{self, OrdinateTracks, scattered_once};
@@ -60,7 +62,7 @@ pub struct Near<'m> {
     /// How far each cube reaches, and 1 / sum of the extinction over it, `[site]`.
     cubes: Vec<(u32, Vec<f64>)>,
     /// For light scattered once.
-    axes: Option<Vec<OrdinateTracks>>,
+    axes: Option<Vec<Arc<OrdinateTracks>>>,
 }
 
 impl<'m> Near<'m> {
@@ -71,20 +73,14 @@ impl<'m> Near<'m> {
         if !single {
             return near;
         }
-        let axes = single::axes().iter().map(|ordinate| near.lay(ordinate)).collect();
+        let axes = single::axes().iter().map(|ordinate| Arc::new(near.lay(ordinate))).collect();
         Near { axes: Some(axes), ..near }
     }
 
-    /// Prepares the near beam with the light scattered once, the rays laid by the caller's threads: `lay_all` calls
-    /// what it is given for each of [`single::axes`], and keeps their order.
-    pub fn with_single(
-        medium: &'m TurbidMedium,
-        sites: &'m [u32],
-        lay_all: impl FnOnce(&(dyn Fn(&Ordinate) -> OrdinateTracks + Sync)) -> Vec<OrdinateTracks>,
-    ) -> Near<'m> {
-        let near = Near::of_cubes(medium, sites, reaches(true));
-        let axes = lay_all(&|ordinate| near.lay(ordinate));
-        Near { axes: Some(axes), ..near }
+    /// Prepares the near beam with the light scattered once, along rays that are there: those of each of
+    /// [`single::axes`], in their order, [`single::rays`] to a site edge.
+    pub fn along(medium: &'m TurbidMedium, sites: &'m [u32], axes: Vec<Arc<OrdinateTracks>>) -> Near<'m> {
+        Near { axes: Some(axes), ..Near::of_cubes(medium, sites, reaches(true)) }
     }
 
     fn of_cubes(medium: &'m TurbidMedium, sites: &'m [u32], reaches: &[u32]) -> Near<'m> {

@@ -4,6 +4,8 @@
 //!
 //! It is marched along the 110 ordinates; 18 tell nothing, 50 a little less.
 
+use std::sync::Arc;
+
 use prefetch_index::prefetch_index;
 use pulp::{Arch, NullaryFnOnce};
 
@@ -17,16 +19,31 @@ use super::uncollided::depth_per_edge;
 
 /// A ray crosses a site.
 #[derive(Debug, Clone, Copy)]
-struct Segment {
+pub struct Segment {
     /// Place in the list of sites; [`LAST`] is set where the ray ends.
     place: u32,
-    /// exp(-s).
-    transmittance: f32,
-    /// What a unit of light beyond the source function adds to the mean over the site and all directions.
-    adds: f32,
+    /// exp(-s) of the optical depth s of the segment.
+    pub transmittance: f32,
+    /// Share of a unit of light beyond the source function that is added to the mean over the site and all directions:
+    /// weight of the ordinate x share of the site's segments x (1 - exp(-s)) / s.
+    pub adds: f32,
 }
 
 const LAST: u32 = 1 << 31;
+
+impl Segment {
+    /// Place of the site in the list of non-empty sites.
+    #[inline(always)]
+    pub fn place(&self) -> usize {
+        (self.place & !LAST) as usize
+    }
+
+    /// Whether the ray leaves the medium here.
+    #[inline(always)]
+    pub fn is_last(&self) -> bool {
+        self.place & LAST != 0
+    }
+}
 
 /// Visits between the fetching of a place and its own.
 const AHEAD: usize = 16;
@@ -37,13 +54,17 @@ pub const fn rays(lattice: u32) -> u32 {
 }
 
 /// The rays along one ordinate, for both ways.
+#[derive(Debug)]
 pub struct OrdinateTracks {
     segments: Vec<Segment>,
 }
 
-/// One ordinate of each pair of opposites that singly scattered light is marched along.
+/// Ordinates that singly scattered light is marched along.
+pub const ORDINATES: Ordinates = Ordinates::Lebedev110;
+
+/// One of each pair of opposites of [`ORDINATES`].
 pub fn axes() -> Vec<Ordinate> {
-    Ordinates::Lebedev110.axes()
+    ORDINATES.axes()
 }
 
 impl OrdinateTracks {
@@ -53,33 +74,49 @@ impl OrdinateTracks {
         let found = crossings(places, ordinate.direction, rays(medium.grid.lattice));
         let mut lengths = vec![0.0_f32; sites.len()];
         found.iter().for_each(|crossing| lengths[crossing.place as usize] += crossing.length);
+        OrdinateTracks::of_crossings(&found, &depth, |place| lengths[place], ordinate.weight)
+    }
+
+    /// Makes the rays of crossings that were found: `depth` is the optical depth of a site edge at each place,
+    /// `length_at` that of all crossings of the site at a place, site edges, and `weight` the ordinate's.
+    pub fn of_crossings(
+        found: &[Crossing],
+        depth: &[f32],
+        length_at: impl Fn(usize) -> f32,
+        weight: f64,
+    ) -> OrdinateTracks {
         let segment = |&Crossing { place, is_last, length, .. }: &Crossing| {
             let passing = Passing::new(depth[place as usize] * length);
-            let adds = ordinate.weight as f32 * passing.mean * length / lengths[place as usize];
+            let adds = weight as f32 * passing.mean * length / length_at(place as usize);
             let place = if is_last { place | LAST } else { place };
             Segment { place, transmittance: passing.transmittance, adds }
         };
-        let segments = found.iter().map(segment).collect();
-        OrdinateTracks { segments }
+        OrdinateTracks { segments: found.iter().map(segment).collect() }
+    }
+
+    /// The rays one after the other, each a segment per site that it crosses.
+    #[inline(always)]
+    pub fn segments(&self) -> &[Segment] {
+        &self.segments
     }
 
     /// Adds to `excess` what arrives beyond phi_0 itself, from both ends.
     #[inline(always)]
     fn march<const L: usize>(&self, source: &[[f32; L]], excess: &mut [[f32; L]]) {
         let mut light = [0.0; L];
-        let place = |at: usize| self.segments.get(at).map_or(0, |segment| segment.place & !LAST) as usize;
+        let place = |at: usize| self.segments.get(at).map_or(0, Segment::place);
         for (at, segment) in self.segments.iter().enumerate() {
             prefetch_index(source, place(at + AHEAD));
             prefetch_index(&*excess, place(at + AHEAD));
             cross(segment, source, excess, &mut light);
-            if segment.place & LAST != 0 {
+            if segment.is_last() {
                 light = [0.0; L];
             }
         }
         for (at, segment) in self.segments.iter().enumerate().rev() {
             prefetch_index(source, place(at.wrapping_sub(AHEAD)));
             prefetch_index(&*excess, place(at.wrapping_sub(AHEAD)));
-            if segment.place & LAST != 0 {
+            if segment.is_last() {
                 light = [0.0; L];
             }
             cross(segment, source, excess, &mut light);
@@ -94,8 +131,7 @@ fn cross<const L: usize>(
     excess: &mut [[f32; L]],
     light: &mut [f32; L],
 ) {
-    let place = (segment.place & !LAST) as usize;
-    let (source, excess) = (&source[place], &mut excess[place]);
+    let (source, excess) = (&source[segment.place()], &mut excess[segment.place()]);
     for lane in 0..L {
         let beyond = light[lane] - source[lane];
         light[lane] = source[lane] + beyond * segment.transmittance;
@@ -108,7 +144,7 @@ pub const BESIDE: usize = 8;
 
 /// Returns the light scattered once at each non-empty site, from the mean of the beam in each; of several beams,
 /// [`BESIDE`] at a time. The bits of a beam's do not depend on the others.
-pub fn scattered_once(axes: &[OrdinateTracks], beams: &[&[f32]]) -> Vec<Vec<f32>> {
+pub fn scattered_once(axes: &[Arc<OrdinateTracks>], beams: &[&[f32]]) -> Vec<Vec<f32>> {
     let of_some = |some: &[&[f32]]| match some.len() {
         1 => beside::<1>(axes, some),
         _ => beside::<BESIDE>(axes, some),
@@ -117,7 +153,7 @@ pub fn scattered_once(axes: &[OrdinateTracks], beams: &[&[f32]]) -> Vec<Vec<f32>
 }
 
 /// Up to `L` beams side by side.
-fn beside<const L: usize>(axes: &[OrdinateTracks], beams: &[&[f32]]) -> Vec<Vec<f32>> {
+fn beside<const L: usize>(axes: &[Arc<OrdinateTracks>], beams: &[&[f32]]) -> Vec<Vec<f32>> {
     let sites = beams[0].len();
     let source: Vec<[f32; L]> = (0..sites)
         .map(|site| std::array::from_fn(|lane| beams.get(lane).map_or(0.0, |beam| beam[site])))

@@ -4,11 +4,13 @@
 //! before the next one; geometry and light of its crossings are made once for both ways.
 
 use flb_format::beam::Beam;
+use flb_format::beam::single::Segment;
 use prefetch_index::prefetch_index;
 use pulp::{Arch, NullaryFnOnce};
 
+use super::halves::{HALVINGS, by_halves};
 use super::lanes::Lanes;
-use super::march::{FINE, March, OrdinateTracks, Segment, WAYS};
+use super::march::{FINE, March, Slant, SlantedTracks, WAYS};
 use super::moments::Moments;
 use crate::turbid::Phase;
 
@@ -39,7 +41,7 @@ impl March {
         };
         let whole = matter.map(|matter| {
             matter.phases.map(|phase| {
-                let ways = |axis: &OrdinateTracks, beam: &Beam| {
+                let ways = |axis: &SlantedTracks, beam: &Beam| {
                     WAYS.map(|way| phase_of(phase, beam, axis.direction(way)))
                 };
                 let of = |beam: &Beam| {
@@ -51,7 +53,7 @@ impl March {
                 lanes(&of)
             })
         });
-        let turned_by = |axis: &OrdinateTracks| -> [[[Lanes; 2]; B]; 2] {
+        let turned_by = |axis: &SlantedTracks| -> [[[Lanes; 2]; B]; 2] {
             WAYS.map(|way| {
                 let direction = axis.direction(way);
                 std::array::from_fn(|band| {
@@ -65,7 +67,7 @@ impl March {
                 })
             })
         };
-        let of_axes = |axes: &[OrdinateTracks]| {
+        let of_axes = |axes: &[SlantedTracks]| {
             let mut first = vec![[[Lanes::default(); M]; B]; self.escape.len()];
             let (mut crossed, albedos, lights) = (Vec::new(), &albedos, &lights);
             for axis in axes {
@@ -83,27 +85,7 @@ impl March {
     }
 }
 
-/// Times that the axes are halved, so that more threads than groups of suns find work.
-pub(super) const HALVINGS: u32 = 2;
-
-/// Light of halves of the axes, added. Threads may share it; the order of additions is the same for one.
-fn by_halves<T: Send>(
-    axes: &[OrdinateTracks],
-    halvings: u32,
-    of: &(impl Fn(&[OrdinateTracks]) -> T + Sync),
-    add: &(impl Fn(&mut T, T) + Sync),
-) -> T {
-    if halvings == 0 {
-        return of(axes);
-    }
-    let (here, there) = axes.split_at(axes.len() / 2);
-    let half = |axes| by_halves(axes, halvings - 1, of, add);
-    let (mut sum, other) = rayon::join(|| half(here), || half(there));
-    add(&mut sum, other);
-    sum
-}
-
-impl OrdinateTracks {
+impl SlantedTracks {
     /// See [`March::first_scattering`]: `turned` is what leaf and wood of albedo 1 scatter of each beam into this
     /// direction and into the opposite one, in each band; `albedos` are those of each site, in each band.
     #[inline(always)]
@@ -116,10 +98,10 @@ impl OrdinateTracks {
         crossed: &mut Vec<Crossed<B>>,
     ) {
         let [there, back]: [[f32; M]; 2] = WAYS.map(|way| self.moments(way));
-        for (ray, later) in self.rays() {
+        for (ray, slants, later) in self.slanted_rays() {
             crossed.clear();
             let mut rays = [Lanes::default(); B];
-            for (at, segment) in ray.iter().enumerate() {
+            for (at, (segment, slant)) in ray.iter().zip(slants).enumerate() {
                 // Two lines of a cache each.
                 let later = later.get(at).map_or(0, Segment::place);
                 prefetch_index(lights.as_flattened(), 2 * later);
@@ -128,8 +110,8 @@ impl OrdinateTracks {
                 prefetch_index(first.as_flattened(), B * later + B - 1);
                 prefetch_index(albedos, later);
                 let place = segment.place();
-                let slanted = Slanted::new(segment);
-                let light = SlantedLight::new(segment, self.direction, &lights[place]);
+                let slanted = Slanted::new(segment, slant);
+                let light = SlantedLight::new(slant, self.direction, &lights[place]);
                 let mut adds = [Lanes::default(); B];
                 for band in 0..B {
                     let (albedos, turned) = (albedos[place].0[band], &turned[0][band]);
@@ -163,9 +145,9 @@ struct Crossed<const B: usize> {
     adds: [Lanes; B],
 }
 
-/// [`OrdinateTracks::scatter_first`], compiled for the SIMD of this machine.
+/// [`SlantedTracks::scatter_first`], compiled for the SIMD of this machine.
 struct FirstJob<'a, const M: usize, const B: usize> {
-    axis: &'a OrdinateTracks,
+    axis: &'a SlantedTracks,
     albedos: &'a [Albedos<B>],
     turned: &'a [[[Lanes; 2]; B]; 2],
     lights: &'a [SiteLight],
@@ -204,8 +186,8 @@ struct Slanted {
 
 impl Slanted {
     #[inline(always)]
-    fn new(segment: &Segment) -> Slanted {
-        let s = segment.depth;
+    fn new(segment: &Segment, slant: &Slant) -> Slanted {
+        let s = slant.depth;
         let gone = 1.0 - segment.transmittance;
         // Series where the closed forms cancel.
         let (mean, leaves, stays) = if s < 0.03 {
@@ -266,14 +248,14 @@ impl SlantedLight {
     /// The beams' light along a segment, from that of its site.
     #[inline(always)]
     fn new(
-        segment: &Segment,
+        slant: &Slant,
         direction: [f32; 3],
         [LanePair([mean, x]), LanePair([y, z])]: &SiteLight,
     ) -> SlantedLight {
         let light = |along: [f32; 3]| along[0] * *x + along[1] * *y + along[2] * *z;
         // From the mean place of the axis's segments of the site to the middle of this one, in site edges.
-        let aside = light(segment.offset.map(|c| f32::from(c) * (1.0 / FINE)));
-        SlantedLight { mean: *mean, aside, along: light(direction.map(|c| c * segment.length)) }
+        let aside = light(slant.offset.map(|c| f32::from(c) * (1.0 / FINE)));
+        SlantedLight { mean: *mean, aside, along: light(direction.map(|c| c * slant.length)) }
     }
 
     /// Of a ray that goes the other way.

@@ -8,12 +8,17 @@
 //! Radiance is relative to an even sky of fluence 1, whose moments are 1, 0, 0, ... The moments are those of the real
 //! [`harmonics`] of the direction of travel: `sum over directions of weight Y_a psi`.
 
-use flb_format::beam::{Crossing, Passing, Sites, crossings, depth_per_edge};
+use std::ops::Range;
+use std::sync::Arc;
+
+use flb_format::beam::single::{OrdinateTracks, Segment};
+use flb_format::beam::{Crossing, Sites, crossings, depth_per_edge};
 use flb_format::sun::harmonics;
 use prefetch_index::prefetch_index;
 use pulp::{Arch, NullaryFnOnce};
 use rayon::prelude::*;
 
+use super::halves::{HALVINGS, by_halves};
 use super::lanes::Lanes;
 use crate::turbid::TurbidMedium;
 
@@ -23,17 +28,10 @@ use flb_format::ordinates::{Ordinate, Ordinates};
 /// Moments that an axis knows.
 const MOMENTS: usize = 9;
 
-/// A ray crosses a site.
+/// How a ray crosses a site.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct Segment {
-    /// Place in the list of sites.
-    place: u32,
-    /// exp(-s).
-    pub transmittance: f32,
-    /// Gain of a unit of excess in the mean over the site and all directions: weight of the ordinate x share of the
-    /// site's segments x (1 - exp(-s)) / s.
-    pub adds: f32,
-    /// Optical depth s.
+pub(super) struct Slant {
+    /// Optical depth s of the segment.
     pub depth: f32,
     /// Site edges.
     pub length: f32,
@@ -42,37 +40,47 @@ pub(super) struct Segment {
     pub offset: [i8; 3],
 }
 
-/// Steps of [`Segment::offset`] per site edge.
+/// Steps of [`Slant::offset`] per site edge.
 pub(super) const FINE: f32 = 127.0;
 
-impl Segment {
-    pub(super) fn place(&self) -> usize {
-        self.place as usize
-    }
-}
-
 /// The rays along one ordinate, for both ways.
-pub(super) struct OrdinateTracks {
+pub(super) struct SlantedTracks {
     pub direction: [f32; 3],
     /// Weight of either way; all ways together have 1.
     pub weight: f32,
     moments: [f32; MOMENTS],
-    segments: Vec<Segment>,
+    tracks: Arc<OrdinateTracks>,
+    /// One per segment of the tracks.
+    slants: Vec<Slant>,
     /// Number of the last segment of each ray, plus 1.
     ends: Vec<u32>,
 }
 
-impl OrdinateTracks {
+impl SlantedTracks {
     /// The rays one by one: the segments of each, and those that are visited [`AHEAD`] later, for what lies there to be
     /// fetched, as nearly all the time would go by waiting for memory. A ray goes there and back before the next one,
     /// while its sites are in a cache.
     #[inline(always)]
-    pub(super) fn rays(&self) -> impl Iterator<Item = (&[Segment], &[Segment])> {
-        let starts = std::iter::once(0).chain(self.ends.iter().copied());
-        starts.zip(&self.ends).map(|(start, &end)| {
-            let (start, end) = (start as usize, end as usize);
-            (&self.segments[start..end], &self.segments[(start + AHEAD).min(self.segments.len())..])
+    fn rays(&self) -> impl Iterator<Item = (&[Segment], &[Segment])> {
+        let segments = self.tracks.segments();
+        self.ranges().map(|ray| {
+            let later = (ray.start + AHEAD).min(segments.len());
+            (&segments[ray], &segments[later..])
         })
+    }
+
+    /// [`rays`](Self::rays), and how the segments of each cross their sites.
+    #[inline(always)]
+    pub(super) fn slanted_rays(&self) -> impl Iterator<Item = (&[Segment], &[Slant], &[Segment])> {
+        let slants = self.ranges().map(|ray| &self.slants[ray]);
+        self.rays().zip(slants).map(|((ray, later), slants)| (ray, slants, later))
+    }
+
+    /// The numbers of each ray's segments.
+    #[inline(always)]
+    fn ranges(&self) -> impl Iterator<Item = Range<usize>> {
+        let starts = std::iter::once(0).chain(self.ends.iter().copied());
+        starts.zip(&self.ends).map(|(start, &end)| start as usize..end as usize)
     }
 
     /// The direction of travel there or back.
@@ -122,9 +130,9 @@ impl OrdinateTracks {
     }
 }
 
-/// [`OrdinateTracks::pass`] there and back, compiled for the SIMD of this machine.
+/// [`SlantedTracks::pass`] there and back, compiled for the SIMD of this machine.
 struct PassJob<'a, const M: usize> {
-    axis: &'a OrdinateTracks,
+    axis: &'a SlantedTracks,
     sites: &'a mut [Exchange<M>],
 }
 
@@ -145,7 +153,7 @@ pub(super) const WAYS: [f32; 2] = [1.0, -1.0];
 
 /// All rays, ready to march.
 pub(super) struct March {
-    pub axes: Vec<OrdinateTracks>,
+    pub axes: Vec<SlantedTracks>,
     /// Share of the light sent out in a site that leaves it uncollided, in the mean over its volume and all directions.
     pub escape: Vec<f32>,
 }
@@ -154,13 +162,25 @@ impl March {
     /// Lays `rays` per site edge along every ordinate. `sites` are the medium's non-empty ones.
     pub(super) fn new(medium: &TurbidMedium, sites: &[u32], ordinates: Ordinates, rays: u32) -> March {
         let places = Sites::new(&medium.grid, sites);
-        let axes: Vec<OrdinateTracks> =
+        let axes: Vec<SlantedTracks> =
             ordinates.axes().par_iter().map(|ordinate| lay(medium, &places, sites, ordinate, rays)).collect();
-        let mut escape = vec![0.0_f32; sites.len()];
-        for segment in axes.iter().flat_map(|axis| &axis.segments) {
-            escape[segment.place()] += 2.0 * segment.adds;
-        }
+        let escape_along = |axes: &[SlantedTracks]| {
+            let mut escape = vec![0.0_f32; sites.len()];
+            for segment in axes.iter().flat_map(|axis| axis.tracks.segments()) {
+                escape[segment.place()] += 2.0 * segment.adds;
+            }
+            escape
+        };
+        let add = |escape: &mut Vec<f32>, other: Vec<f32>| {
+            escape.iter_mut().zip(other).for_each(|(sum, other)| *sum += other);
+        };
+        let escape = by_halves(&axes, HALVINGS, &escape_along, &add);
         March { axes, escape }
+    }
+
+    /// The rays without how they cross sites.
+    pub(super) fn tracks(&self) -> Vec<Arc<OrdinateTracks>> {
+        self.axes.iter().map(|axis| axis.tracks.clone()).collect()
     }
 
     /// Adds to the excess of each site the moments of what arrives beyond the source function.
@@ -172,11 +192,16 @@ impl March {
 
     /// Moments of an even sky of fluence 1 before any scattering; from below the horizon comes `below` times its light.
     pub(super) fn sky<const M: usize>(&self, below: f32) -> Vec<[f32; M]> {
-        let mut sky = vec![[0.0_f32; M]; self.escape.len()];
-        for axis in &self.axes {
-            axis.sky(below, &mut sky);
-        }
-        sky
+        let along = |axes: &[SlantedTracks]| {
+            let mut sky = vec![[0.0_f32; M]; self.escape.len()];
+            axes.iter().for_each(|axis| axis.sky(below, &mut sky));
+            sky
+        };
+        let add = |sky: &mut Vec<[f32; M]>, other: Vec<[f32; M]>| {
+            let others = other.as_flattened().iter();
+            sky.as_flattened_mut().iter_mut().zip(others).for_each(|(sum, other)| *sum += other);
+        };
+        by_halves(&self.axes, HALVINGS, &along, &add)
     }
 }
 
@@ -200,7 +225,7 @@ fn lay(
     sites: &[u32],
     ordinate: &Ordinate,
     rays: u32,
-) -> OrdinateTracks {
+) -> SlantedTracks {
     let depth = depth_per_edge(medium, sites, ordinate.direction);
     let found = crossings(places, ordinate.direction, rays);
     // Per site: sums of length, and of length x middle.
@@ -210,24 +235,21 @@ fn lay(
         *lengths += length;
         middles.iter_mut().zip(middle).for_each(|(sum, middle)| *sum += length * middle);
     }
-    let segment = |&Crossing { place, length, middle, .. }: &Crossing| {
-        let s = depth[place as usize] * length;
-        let passing = Passing::new(s);
+    let slant = |&Crossing { place, length, middle, .. }: &Crossing| {
         let [lengths, middles @ ..] = sums[place as usize];
         let from_mean = |axis: usize| middle[axis] - middles[axis] / lengths;
         let offset = std::array::from_fn(|axis| (from_mean(axis) * FINE).clamp(-127.0, 127.0) as i8);
-        let adds = ordinate.weight as f32 * (length / lengths) * passing.mean;
-        Segment { place, transmittance: passing.transmittance, adds, depth: s, length, offset }
+        Slant { depth: depth[place as usize] * length, length, offset }
     };
-    let segments = found.iter().map(segment).collect();
-    let ends = (1..).zip(&found).filter(|(_, crossing)| crossing.is_last).map(|(end, _)| end).collect();
+    let tracks = OrdinateTracks::of_crossings(&found, &depth, |place| sums[place][0], ordinate.weight);
     let y = harmonics::evaluate(ordinate.direction);
-    OrdinateTracks {
+    SlantedTracks {
         direction: ordinate.direction.map(|c| c as f32),
         weight: ordinate.weight as f32,
         moments: std::array::from_fn(|a| y[a] as f32),
-        segments,
-        ends,
+        tracks: Arc::new(tracks),
+        slants: found.iter().map(slant).collect(),
+        ends: (1..).zip(&found).filter(|(_, crossing)| crossing.is_last).map(|(end, _)| end).collect(),
     }
 }
 

@@ -30,6 +30,13 @@ impl ScatteringMoments {
     pub(super) fn albedo(&self) -> f64 {
         f64::from(self.0.iter().fold(0.0_f32, |most, gain| most.max(gain[0])))
     }
+
+    /// The root of the mean square of the albedos over the sites. A few pale sites, as every bark has them, do not
+    /// raise it.
+    pub(super) fn rms_albedo(&self) -> f64 {
+        let squares: f64 = self.0.iter().map(|gain| f64::from(gain[0]) * f64::from(gain[0])).sum();
+        libm::sqrt(squares / self.0.len().max(1) as f64)
+    }
 }
 
 /// Degree of moment `a`.

@@ -16,10 +16,10 @@ use rayon::prelude::*;
 
 use super::OrdinatesSettings;
 use super::band::Band;
-use super::first::HALVINGS;
+use super::halves::{HALVINGS, by_halves};
 use super::lanes::{LANES, Lanes};
 use super::march::March;
-use super::moments::{Moments, ScatteringMoments};
+use super::moments::Moments;
 use super::smooth::Smooth;
 use super::source_iteration::{arrives, source_iteration};
 use super::suns::SolvePlan;
@@ -40,6 +40,8 @@ pub(super) struct Scattering<'a> {
     pub beams: &'a [&'a Beam],
     /// Light of the sky from below the horizon, relative to that above.
     pub below: f32,
+    /// Fluence of the sky before any scattering, where that is wanted.
+    pub open_sky: Option<&'a [[f32; 1]]>,
     pub settings: &'a OrdinatesSettings,
     /// Whether the rest of the light may be solved for harmonics of the sun.
     pub may_be_smooth: bool,
@@ -52,7 +54,7 @@ impl Scattering<'_> {
         let chunks = self.beams.chunks(LANES).enumerate();
         let mut groups: Vec<Group> =
             chunks.map(|(at, beams)| Group { first_sun: at * LANES, beams, sky: false }).collect();
-        if self.settings.sky() {
+        if self.open_sky.is_some() {
             match groups.last_mut().filter(|_| !self.beams.len().is_multiple_of(LANES)) {
                 Some(last) => last.sky = true,
                 None => groups.push(Group { first_sun: self.beams.len(), beams: &[], sky: true }),
@@ -103,58 +105,50 @@ impl Scattering<'_> {
             .iter()
             .map(|band| Smooth::of(self.plan, self.settings, band).filter(|_| self.may_be_smooth))
             .collect();
-        let made = groups
-            .par_iter()
-            .map(|group| {
-                let first = self.first_of::<M, B>(&bands, group);
-                let made: Vec<Part<M>> = first
-                    .into_par_iter()
-                    .zip(&bands)
-                    .zip(&smooth)
-                    .map(|((first, band), smooth)| match smooth {
-                        Some(smooth) => self.begun(smooth, band, group, &first),
-                        None => self.solved(band, group, &first),
-                    })
-                    .collect();
-                step()?;
-                Ok(made)
-            })
-            .collect::<Result<Vec<Vec<Part<M>>>, Cancelled>>()?;
-        // Groups of each band in their order.
-        let mut parts: Vec<Vec<Part<M>>> = bands.iter().map(|_| Vec::new()).collect();
-        made.into_iter()
-            .for_each(|made| parts.iter_mut().zip(made).for_each(|(parts, part)| parts.push(part)));
+        let sky: Option<Vec<[f32; M]>> = self.open_sky.map(|fluence| match M {
+            1 => fluence.iter().map(|[fluence]| [*fluence; M]).collect(),
+            _ => self.march.sky(self.below),
+        });
+        // One part per band.
+        let of_group = |group: &[Group]| -> Result<Vec<Part<M>>, Cancelled> {
+            let [group] = group else { unreachable!("groups are halved to the last") };
+            let first = self.march.first_scattering::<M, B>(bands.map(|band| &band.matter), group.beams);
+            let sky = sky.as_ref().filter(|_| group.sky);
+            let made =
+                first.into_par_iter().zip(&bands).zip(&smooth).map(|((first, band), smooth)| match smooth {
+                    Some(smooth) => self.begun(smooth, band, group, first, sky),
+                    None => self.solved(band, group, first, sky),
+                });
+            let made = made.collect();
+            step()?;
+            Ok(made)
+        };
+        let add = |sum: &mut Result<Vec<Part<M>>, Cancelled>, other: Result<Vec<Part<M>>, Cancelled>| match (
+            &mut *sum, other,
+        ) {
+            (Ok(sum), Ok(other)) => sum.iter_mut().zip(other).for_each(|(sum, other)| sum.add(other)),
+            (Ok(_), cancelled) => *sum = cancelled,
+            (Err(_), _) => {}
+        };
+        let parts = by_halves(groups, u32::MAX, &of_group, &add)?;
         let all = parts.into_par_iter().zip(bands).zip(smooth);
-        Ok(all.map(|((parts, band), smooth)| self.joined(parts, band, smooth.as_ref())).collect())
-    }
-
-    /// The light of a group after one scattering.
-    fn first_of<const M: usize, const B: usize>(&self, bands: &[&Band; B], group: &Group) -> [Moments<M>; B] {
-        let mut first = self.march.first_scattering::<M, B>(bands.map(|band| &band.matter), group.beams);
-        if group.sky {
-            for (band, first) in bands.iter().zip(&mut first) {
-                self.add_sky(&band.gains, group.beams.len(), first);
-            }
-        }
-        first
-    }
-
-    /// Adds the once scattered light of the sky as lane `lane` of `first`.
-    fn add_sky<const M: usize>(&self, gains: &ScatteringMoments, lane: usize, first: &mut Moments<M>) {
-        let mut sky = vec![[Lanes::default(); M]; first.len()];
-        for (lanes, sky) in sky.iter_mut().zip(self.march.sky::<M>(self.below)) {
-            lanes.iter_mut().zip(sky).for_each(|(lanes, sky)| lanes.0[lane] = sky);
-        }
-        let arrives = arrives(self.march, gains, &sky);
-        for (first, arrives) in first.as_flattened_mut().iter_mut().zip(arrives.as_flattened()) {
-            first.0[lane] += arrives.0[lane];
-        }
+        Ok(all.map(|((part, band), smooth)| self.joined(part, band, smooth.as_ref())).collect())
     }
 
     /// All light of a group, solved to the end.
-    fn solved<const M: usize>(&self, band: &Band, group: &Group, first: &Moments<M>) -> Part<M> {
+    fn solved<const M: usize>(
+        &self,
+        band: &Band,
+        group: &Group,
+        mut first: Moments<M>,
+        sky: Option<&Vec<[f32; M]>>,
+    ) -> Part<M> {
+        if let Some(sky) = sky {
+            let once = arrives(self.march, &band.gains, &lanes_of(&[sky]));
+            set_lane(&mut first, group.beams.len(), &lane_of(&once, 0));
+        }
         let OrdinatesSettings { tolerance, max_passes, .. } = *self.settings;
-        let solved = source_iteration(self.march, &band.gains, first, [0.0; LANES], tolerance, max_passes);
+        let solved = source_iteration(self.march, &band.gains, &first, [0.0; LANES], tolerance, max_passes);
         let light = (0..group.lanes()).map(|lane| fluence(&solved.light, lane)).collect();
         Part {
             light,
@@ -171,40 +165,36 @@ impl Scattering<'_> {
         smooth: &Smooth,
         band: &Band,
         group: &Group,
-        first: &Moments<M>,
+        mut first: Moments<M>,
+        sky: Option<&Vec<[f32; M]>>,
     ) -> Part<M> {
         // Of suns that are held out and of the sky, all is solved together with the rest of the others.
         let fitted = self.plan.fitted().saturating_sub(group.first_sun).min(group.beams.len());
-        let apart = (fitted..group.lanes()).map(|lane| lane_of(first, lane)).collect();
-        if fitted == 0 {
-            return Part { light: Vec::new(), passes: 0, error_estimate: 0.0, smooth: Vec::new(), apart };
+        let mut apart: Vec<_> = (fitted..group.beams.len()).map(|lane| lane_of(&first, lane)).collect();
+        let mut part =
+            Part { light: Vec::new(), passes: 0, error_estimate: 0.0, smooth: Vec::new(), apart: Vec::new() };
+        if fitted > 0 || sky.is_some() {
+            // The light of the sky goes along, one scattering behind.
+            if let Some(sky) = sky {
+                set_lane(&mut first, group.beams.len(), sky);
+            }
+            let next = arrives(self.march, &band.gains, &first);
+            apart.extend(sky.map(|_| lane_of(&next, group.beams.len())));
+            let both = |lane: usize| {
+                first.iter().zip(&next).map(|(first, next)| first[0].0[lane] + next[0].0[lane]).collect()
+            };
+            part.light = (0..fitted).map(both).collect();
+            part.passes = 1;
+            part.smooth = smooth.project(&next, group.first_sun, fitted);
         }
-        let second = arrives(self.march, &band.gains, first);
-        let both = |lane: usize| {
-            first.iter().zip(&second).map(|(first, second)| first[0].0[lane] + second[0].0[lane]).collect()
-        };
-        let light = (0..fitted).map(both).collect();
-        Part {
-            light,
-            passes: 1,
-            error_estimate: 0.0,
-            smooth: smooth.project(&second, group.first_sun, fitted),
-            apart,
-        }
+        part.apart = apart;
+        part
     }
 
-    /// All groups of a band.
-    fn joined<const M: usize>(&self, mut parts: Vec<Part<M>>, band: &Band, smooth: Option<&Smooth>) -> Lit {
-        let passes = parts.iter().map(|part| part.passes).max().unwrap_or(0);
-        let error_estimate = parts.iter().map(|part| part.error_estimate).fold(0.0, f64::max);
-        let mut light: Vec<Vec<f32>> =
-            parts.iter_mut().flat_map(|part| std::mem::take(&mut part.light)).collect();
+    /// All light of a band, from what its groups made.
+    fn joined<const M: usize>(&self, part: Part<M>, band: &Band, smooth: Option<&Smooth>) -> Lit {
+        let Part { mut light, passes, error_estimate, smooth: sums, apart } = part;
         let Some(smooth) = smooth else { return Lit { light, passes, error_estimate } };
-        let (mut sums, mut apart) = (Vec::new(), Vec::new());
-        for part in parts {
-            Smooth::add(&mut sums, part.smooth);
-            apart.extend(part.apart);
-        }
         let size = smooth.mean_square(&light);
         // What is solved, and below which size errors do not count.
         let wanted: Vec<(&Vec<[f32; M]>, f64)> =
@@ -213,7 +203,8 @@ impl Scattering<'_> {
         let solved: Vec<_> = wanted
             .par_chunks(LANES)
             .map(|wanted| {
-                let first = lanes_of(wanted);
+                let first: Vec<_> = wanted.iter().map(|(first, _)| *first).collect();
+                let first = lanes_of(&first);
                 let sizes = std::array::from_fn(|lane| wanted.get(lane).map_or(0.0, |(_, size)| *size));
                 source_iteration(self.march, &band.gains, &first, sizes, tolerance, max_passes)
             })
@@ -249,7 +240,7 @@ impl Group<'_> {
     }
 }
 
-/// Light of a group in a band.
+/// Light of some groups in a band.
 struct Part<const M: usize> {
     /// `[lane][site]`: all of it, or what was scattered once or twice, of the suns that fields are made from.
     light: Vec<Vec<f32>>,
@@ -261,6 +252,17 @@ struct Part<const M: usize> {
     apart: Vec<Vec<[f32; M]>>,
 }
 
+impl<const M: usize> Part<M> {
+    /// Adds the groups that come next.
+    fn add(&mut self, next: Part<M>) {
+        self.light.extend(next.light);
+        self.passes = self.passes.max(next.passes);
+        self.error_estimate = self.error_estimate.max(next.error_estimate);
+        Smooth::add(&mut self.smooth, next.smooth);
+        self.apart.extend(next.apart);
+    }
+}
+
 fn fluence<const M: usize>(light: &Moments<M>, lane: usize) -> Vec<f32> {
     light.iter().map(|moments| moments[0].0[lane]).collect()
 }
@@ -269,11 +271,17 @@ fn lane_of<const M: usize>(light: &Moments<M>, lane: usize) -> Vec<[f32; M]> {
     light.iter().map(|moments| moments.map(|lanes| lanes.0[lane])).collect()
 }
 
+fn set_lane<const M: usize>(light: &mut Moments<M>, lane: usize, of_lane: &[[f32; M]]) {
+    for (light, of_lane) in light.iter_mut().zip(of_lane) {
+        light.iter_mut().zip(of_lane).for_each(|(lanes, value)| lanes.0[lane] = *value);
+    }
+}
+
 /// Up to [`LANES`] lights side by side.
-fn lanes_of<const M: usize>(lights: &[(&Vec<[f32; M]>, f64)]) -> Moments<M> {
-    let sites = lights[0].0.len();
+fn lanes_of<const M: usize>(lights: &[&Vec<[f32; M]>]) -> Moments<M> {
+    let sites = lights[0].len();
     let of = |site: usize, a: usize| {
-        Lanes(std::array::from_fn(|lane| lights.get(lane).map_or(0.0, |(light, _)| light[site][a])))
+        Lanes(std::array::from_fn(|lane| lights.get(lane).map_or(0.0, |light| light[site][a])))
     };
     (0..sites).map(|site| std::array::from_fn(|a| of(site, a))).collect()
 }

@@ -12,9 +12,9 @@ use super::moments::Moments;
 use super::suns::SolvePlan;
 use super::{OrdinatesSettings, SunBasis};
 
-/// Largest albedo up to which the rest is taken for smooth. Above it, light that is scattered often is too large a
-/// share.
-const MAX_ALBEDO: f64 = 0.35;
+/// Largest albedo, as the root of the mean square over the sites, up to which the rest is taken for smooth. Above it,
+/// light that is scattered often is too large a share.
+const MAX_ALBEDO: f64 = 0.27;
 
 /// Harmonics of the sun, and how much of each the suns of a fit count for.
 pub(super) struct Smooth {
@@ -28,7 +28,7 @@ impl Smooth {
     /// Harmonics of a degree more than those of the fit; `None` where every sun is to be solved to the end.
     pub(super) fn of(plan: &SolvePlan, settings: &OrdinatesSettings, band: &Band) -> Option<Smooth> {
         let SunBasis::Harmonics { degree, .. } = settings.suns else { return None };
-        if band.gains.albedo() > MAX_ALBEDO {
+        if band.gains.rms_albedo() > MAX_ALBEDO {
             return None;
         }
         let count = harmonics::count((degree + 1).min(harmonics::MAX_DEGREE));
@@ -46,6 +46,9 @@ impl Smooth {
         first_sun: usize,
         suns: usize,
     ) -> Vec<Vec<[f32; M]>> {
+        if suns == 0 {
+            return Vec::new();
+        }
         let projected = |function: usize| {
             let factors: Vec<f32> = (first_sun..first_sun + suns)
                 .map(|sun| (self.weights[sun] * self.values[sun][function]) as f32)
@@ -64,6 +67,7 @@ impl Smooth {
             *sums = other;
             return;
         }
+        // Groups of suns that are held out have none.
         sums.par_iter_mut().zip(other).for_each(|(sums, other)| {
             for (sum, other) in sums.as_flattened_mut().iter_mut().zip(other.as_flattened()) {
                 *sum += other;

@@ -8,11 +8,16 @@ fn leaves(albedo: f64) -> BandScatter {
     BandScatter { leaf: scatter(albedo, 0.33), wood: scatter(0.15, 0.0) }
 }
 
-/// A medium, some of whose matter is wood.
+/// A medium, a third of whose sites are wood.
 fn tree(lattice: u32) -> TurbidMedium {
+    with_wood(lattice, 3)
+}
+
+/// A medium of which one site in `every` is wood.
+fn with_wood(lattice: u32, every: usize) -> TurbidMedium {
     let mut medium = clumps(lattice);
     for (site, wood) in medium.wood_per_m.iter_mut().enumerate() {
-        if site % 3 == 0 {
+        if site % every == 0 {
             std::mem::swap(wood, &mut medium.leaf_per_m[site]);
         }
     }
@@ -34,6 +39,7 @@ fn light(medium: &TurbidMedium, bands: &[BandScatter], may_be_smooth: bool) -> (
         plan: &plan,
         beams: &beams.iter().collect::<Vec<_>>(),
         below: 1.0,
+        open_sky: Some(&march.sky(1.0)),
         settings: &settings,
         may_be_smooth,
     };
@@ -42,7 +48,7 @@ fn light(medium: &TurbidMedium, bands: &[BandScatter], may_be_smooth: bool) -> (
 
 #[test]
 fn the_rest_is_nearly_what_each_sun_would_have_alone() {
-    let bands = [0.06, 0.275, 0.35].map(leaves);
+    let bands = [0.06, 0.275, 0.3].map(leaves);
     let medium = tree(24);
     let (smooth, beams) = light(&medium, &bands, true);
     let (alone, _) = light(&medium, &bands, false);
@@ -61,6 +67,19 @@ fn the_rest_is_nearly_what_each_sun_would_have_alone() {
         }
         assert!(worst < most, "{worst}, at most {most}");
         assert!(worst > 0.0, "nothing was projected");
+    }
+}
+
+#[test]
+fn a_few_pale_sites_do_not_keep_the_rest_from_being_smooth() {
+    let bark = Scatter { albedo: 0.7, phase: Phase::BiLambert { transmitted: 0.0 } };
+    let bands = [BandScatter { wood: bark, ..leaves(0.25) }];
+    let medium = with_wood(24, 100);
+    let (smooth, beams) = light(&medium, &bands, true);
+    let (alone, _) = light(&medium, &bands, false);
+    assert!(smooth[0].light[..50] != alone[0].light[..50], "nothing was projected");
+    for ((smooth, alone), beam) in smooth[0].light.iter().zip(&alone[0].light).zip(&beams) {
+        assert!(relative_rms(smooth, alone, &beam.mean) < 0.004);
     }
 }
 
