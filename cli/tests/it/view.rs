@@ -32,18 +32,27 @@ fn pixels(png: &[u8]) -> Vec<[u8; 3]> {
 }
 
 fn shoot(folder: &Folder, show: &str, more: &[&str]) -> (Vec<[u8; 3]>, Value) {
-    let words = ["view", "stand.toml", "--size", "480x270", "--screenshot", "view.png", "--force", "--json"];
+    shoot_at(folder, SIZE, show, more)
+}
+
+fn shoot_at(folder: &Folder, size: [usize; 2], show: &str, more: &[&str]) -> (Vec<[u8; 3]>, Value) {
+    let size_word = format!("{}x{}", size[0], size[1]);
+    let words = ["view", "stand.toml", "--size", &size_word, "--screenshot", "view.png", "--force", "--json"];
     let run = folder.flb_with(&words, &[&["--show", show], more].concat()).expect_code(0);
     let report = run.json();
     assert_eq!(misfits(&schema("view"), &report), [""; 0], "{report}");
     let pixels = pixels(&folder.read("view.png"));
-    assert_eq!(pixels.len(), SIZE[0] * SIZE[1]);
+    assert_eq!(pixels.len(), size[0] * size[1]);
     (pixels, report)
 }
 
 /// The part of a screenshot beside the panel.
 fn picture(pixels: &[[u8; 3]]) -> Vec<[u8; 3]> {
-    pixels.chunks_exact(SIZE[0]).flat_map(|row| row[..PICTURE].to_vec()).collect()
+    beside_panel(pixels, SIZE[0])
+}
+
+fn beside_panel(pixels: &[[u8; 3]], width: usize) -> Vec<[u8; 3]> {
+    pixels.chunks_exact(width).flat_map(|row| row[..width - (SIZE[0] - PICTURE)].to_vec()).collect()
 }
 
 fn mean(pixels: &[[u8; 3]]) -> [f64; 3] {
@@ -192,6 +201,10 @@ fn water_mirrors_in_the_window_as_in_a_render_and_nobody_dives() {
 
 #[test]
 fn a_gpu_paints_what_the_cpu_does() {
+    // Small, as a GPU in software takes a millisecond for a few pixels.
+    let size = [SIZE[0] - 100, 120];
+    let shoot = |folder: &Folder, show: &str, more: &[&str]| shoot_at(folder, size, show, more);
+    let picture = |pixels: &[[u8; 3]]| beside_panel(pixels, size[0]);
     // Of harmonics, noise of the near beam depends on the last bits of a point.
     let shows = [["all", "level"], ["indirect", "all"]];
     for (model, most) in [(&PAPER[..], 0.7), (&["--suns", "sh1", "--ordinates", "18"], 2.5)] {
