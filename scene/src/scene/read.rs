@@ -8,16 +8,16 @@ use std::path::{Path, PathBuf};
 use flb_format::sun::reach::Rotation;
 use serde::Deserialize;
 use toml::Spanned;
-use toml::value::Datetime;
 
 use super::camera::RawCamera;
 use super::ground::RawGround;
 use super::parts::{Parts, Size};
 use super::reading::{Checked, Reading};
 use super::sky::RawSky;
+use super::sun::RawSun;
 use super::syntax::shown;
 use super::water::RawWater;
-use super::{Day, Scene, SceneSpecies, SunPath, Suns};
+use super::{Scene, SceneSpecies, Suns};
 use crate::import::{ImportError, MAX_SPECIES, ask, excerpt, read_text, reserve};
 use crate::species::MAX_BANDS;
 
@@ -25,8 +25,6 @@ use crate::species::MAX_BANDS;
 pub const MAX_SCENE_BYTES: u64 = 64 << 20;
 /// Plants of a scene.
 pub const MAX_INSTANCES: usize = 1 << 20;
-/// Suns that stand still.
-pub const MAX_FIXED_SUNS: usize = 1024;
 
 /// What toml may make a tree of at once: a scene without its instances, or one of them. At most 700 bytes for each
 /// token (tables of one key), and 7 for each byte, most of which is never written to.
@@ -61,22 +59,6 @@ struct Raw {
 #[serde(deny_unknown_fields)]
 struct Instances {
     instance: Vec<Spanned<RawInstance>>,
-}
-
-#[derive(Deserialize)]
-#[serde(deny_unknown_fields)]
-struct RawSun {
-    fixed: Option<Spanned<Vec<[f64; 2]>>>,
-    path: Option<Spanned<RawPath>>,
-}
-
-#[derive(Deserialize)]
-#[serde(deny_unknown_fields)]
-struct RawPath {
-    latitude_deg: f64,
-    longitude_deg: f64,
-    from: Datetime,
-    to: Datetime,
 }
 
 #[derive(Deserialize)]
@@ -229,38 +211,6 @@ impl Reading<'_> {
             return Err(self.malformed(at, "bands", format!("{:?} twice", bands[twice]), "each name once"));
         }
         Ok(bands)
-    }
-
-    fn suns(&self, raw: Spanned<RawSun>) -> Checked<Suns> {
-        let at = raw.span().start;
-        match raw.into_inner() {
-            RawSun { fixed: Some(fixed), path: None } => {
-                let (at, suns) = (fixed.span().start, fixed.into_inner());
-                self.limit("sun.fixed", suns.len(), MAX_FIXED_SUNS)?;
-                if suns.is_empty() {
-                    return Err(self.malformed(at, "sun.fixed", "none", "one sun or more"));
-                }
-                for [azimuth, elevation] in &suns {
-                    self.within(at, "azimuth of sun.fixed", *azimuth, -3600.0, 3600.0)?;
-                    self.within(at, "elevation of sun.fixed", *elevation, -90.0, 90.0)?;
-                }
-                Ok(Suns::Fixed(suns))
-            }
-            RawSun { fixed: None, path: Some(path) } => {
-                let (at, RawPath { latitude_deg, longitude_deg, from, to }) =
-                    (path.span().start, path.into_inner());
-                let path = Day::from_toml(from)
-                    .and_then(|from| SunPath::new(latitude_deg, longitude_deg, from, Day::from_toml(to)?));
-                path.map(Suns::Path).map_err(|message| ImportError::Syntax {
-                    file: self.file.to_owned(),
-                    message: format!("line {}, sun.path: {message}", self.line(at)),
-                })
-            }
-            RawSun { fixed, .. } => {
-                let found = if fixed.is_some() { "fixed and path" } else { "neither fixed nor path" };
-                Err(self.malformed(at, "sun", found, "one of fixed and path"))
-            }
-        }
     }
 
     fn species(

@@ -30,6 +30,13 @@ fn refusal_of(more: &str) -> String {
 }
 
 #[test]
+fn one_sun_needs_no_list() {
+    let of = |fixed: &str| parse(&format!("sun = {{ fixed = {fixed} }}\n{SCENE}")).expect("a scene").suns;
+    assert_eq!(of("[135, 35.5]"), of("[[135.0, 35.5]]"));
+    assert_eq!(of("[135, 35.5]"), Suns::Fixed(vec![[135.0, 35.5]]));
+}
+
+#[test]
 fn what_a_scene_does_not_say_has_a_default() {
     let scene = parse(SCENE).expect("it is sound");
     assert_eq!((scene.bands, scene.ambient, scene.suns, scene.camera), (None, None, Suns::Sky, None));
@@ -277,6 +284,16 @@ fn what_is_wrong_is_named_with_its_line() {
         ("sky = { clear = { haze = 3 } }\n".to_owned(), "unknown field `haze`, expected `turbidity`"),
         ("sun = {}\n".to_owned(), "line 1, sun: found neither fixed nor path"),
         ("sun = { fixed = [] }\n".to_owned(), "sun.fixed: found none"),
+        (
+            "sun = [135, 35]\n".to_owned(),
+            "expected a table with fixed = [[azimuth, elevation], ...] in degrees",
+        ),
+        (
+            "sun = { fixed = [[1, 2], [3]] }\n".to_owned(),
+            "sun.fixed: found [3], expected [azimuth, elevation] in degrees, or a list of them",
+        ),
+        ("sun = { fixed = \"noon\" }\n".to_owned(), "found \"noon\", expected [azimuth, elevation]"),
+        ("sun = { fixd = [1, 2] }\n".to_owned(), "unknown field `fixd`, expected `fixed` or `path`"),
         ("sun = { fixed = [[0, 91]] }\n".to_owned(), "elevation of sun.fixed: found 91, expected -90 to 90"),
         (
             format!("sun = {{ fixed = [{}] }}\n", "[0, 9],".repeat(1025)),
