@@ -1,6 +1,7 @@
 //! Marches have the same bits whatever SIMD the machine has.
 
 use flb_format::Grid;
+use flb_format::beam::{Near, single};
 use flb_format::matter::LeafAngles;
 
 use super::*;
@@ -38,4 +39,14 @@ fn a_pass_has_the_same_bits_with_any_simd() {
     passes_alike::<1>(&march);
     passes_alike::<4>(&march);
     passes_alike::<9>(&march);
+}
+
+#[test]
+fn the_near_beam_along_the_rays_of_a_march_has_the_bits_that_readers_find() {
+    let medium = medium();
+    let sites = medium.sites();
+    let march = March::new(&medium, &sites, single::ORDINATES, single::rays(medium.grid.lattice));
+    let along = Near::along(&medium, &sites, march.tracks()).beam([0.6, 0.8, 0.0], 2);
+    assert!(along == Near::new(&medium, &sites, true).beam([0.6, 0.8, 0.0], 2));
+    assert!(along.around[1].iter().any(|once| *once > 0.0));
 }
