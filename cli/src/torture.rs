@@ -198,7 +198,7 @@ fn no_files(folder: &Path) -> Result<Vec<Verdict>, Failure> {
         verdicts.push(made(
             "56-pipe.flb",
             "pipe",
-            "a named pipe that nobody writes to",
+            "a named pipe without a writer",
             pipe.map_err(Into::into),
         )?);
         let device = std::os::unix::fs::symlink("/dev/zero", folder.join("56-device.flb"));

@@ -85,7 +85,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn every_piece_is_finished_once_whoever_fails() {
+    fn every_piece_is_finished_once_whichever_gpu_fails() {
         let queue = Queue::new(50);
         let finished: Vec<AtomicUsize> = (0..50).map(|_| AtomicUsize::new(0)).collect();
         thread::scope(|scope| {

@@ -166,7 +166,7 @@ fn among_neighbours(suns: &str) {
 }
 
 #[test]
-fn water_mirrors_in_the_window_as_in_a_render_and_nobody_dives() {
+fn water_mirrors_in_the_window_as_in_a_render_and_the_camera_stays_above() {
     let folder = stand("16", &["--suns", "lattice18", "--ordinates", "18"]);
     let dry = picture(&shoot(&folder, "direct", &[]).0);
     let scene = String::from_utf8(folder.read("stand.toml")).expect("TOML is text");

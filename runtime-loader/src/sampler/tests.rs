@@ -187,7 +187,7 @@ fn a_base_that_was_left_out_is_refused_with_the_reason_and_never_dark() {
         refusal(&[3, 4]),
         "oak.flb: species \"oak\" has no base 4, which the light needs: it was left out (upright plants under the whole sky)"
     );
-    assert!(refusal(&[6]).contains("it has 0, 3, 7"), "base 6 is missing, nobody knows why");
+    assert!(refusal(&[6]).contains("it has 0, 3, 7"), "base 6 is missing, and no message says why");
     SpeciesSampler::load(&library, 0, &[0, 3, 7]).expect("the others are there");
 }
 
