@@ -142,7 +142,8 @@ impl BakeSettings {
     pub fn of(quality: Quality) -> BakeSettings {
         BakeSettings {
             lattice: if quality == Quality::Draft { 32 } else { 128 },
-            voxels: 1024,
+            // Light on the mesh is the same with more: `flb judge`.
+            voxels: if quality == Quality::Draft { 512 } else { 1024 },
             ignore_alpha: false,
             wanted: Wanted::default(),
             model: ModelSettings::of(quality),

@@ -34,9 +34,9 @@ pub(crate) struct BakeArgs {
     /// --model paper or --suns lattice18
     #[arg(long, value_name = "PLAN.toml|.json")]
     pub plan: Option<PathBuf>,
-    /// Voxels along each edge of the fine grid: a multiple of the lattice, up to 4096
-    #[arg(long, default_value_t = 1024, value_name = "N")]
-    pub voxels: u32,
+    /// Voxels along each edge of the fine grid: a multiple of the lattice, up to 4096 [default: the preset's]
+    #[arg(long, value_name = "N")]
+    pub voxels: Option<u32>,
     /// Count leaf cards whole, ignoring the alpha of their textures, as the papers do
     #[arg(long)]
     pub ignore_alpha: bool,

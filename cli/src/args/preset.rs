@@ -8,6 +8,7 @@ use flb_transport::ordinates::NamedSuns;
 /// A quality as the values of flags.
 pub(crate) struct Preset {
     pub lattice: u32,
+    pub voxels: u32,
     /// dB.
     pub psnr_db: f64,
     /// Relative error of dark samples.
@@ -25,8 +26,10 @@ pub(crate) struct Preset {
 fn preset(quality: Quality) -> Preset {
     let physical = PhysicalSettings::of(quality);
     let CodingPreset { psnr_db, dark_error, threshold } = CodingPreset::of(quality);
+    let BakeSettings { lattice, voxels, .. } = BakeSettings::of(quality);
     Preset {
-        lattice: BakeSettings::of(quality).lattice,
+        lattice,
+        voxels,
         psnr_db,
         dark_error,
         threshold,
@@ -41,9 +44,10 @@ fn preset(quality: Quality) -> Preset {
 impl Preset {
     /// Every value as it is written on a command line, in the order of the fields but that both tolerances stand behind
     /// the threshold.
-    fn words(&self) -> [String; 9] {
+    fn words(&self) -> [String; 10] {
         [
             self.lattice.to_string(),
+            self.voxels.to_string(),
             self.psnr_db.to_string(),
             self.dark_error.to_string(),
             self.threshold.to_string(),
@@ -60,10 +64,10 @@ impl Preset {
 pub(super) fn help() -> String {
     let mut text = "What these flags are unless they are given (a plan's lattice goes first):".to_owned();
     for quality in Quality::ALL {
-        let [lattice, psnr, error, threshold, tolerance, paper, suns, ordinates, cut] =
+        let [lattice, voxels, psnr, error, threshold, tolerance, paper, suns, ordinates, cut] =
             preset(quality).words();
         text += &format!(
-            " {quality}: --lattice {lattice} --target-psnr {psnr} --target-error {error} (haar-paper: --threshold \
+            " {quality}: --lattice {lattice} --voxels {voxels} --target-psnr {psnr} --target-error {error} (haar-paper: --threshold \
              {threshold}) --tolerance {tolerance} (paper: {paper}) --suns {suns} --ordinates {ordinates} \
              --cut-sites={cut};"
         );
@@ -81,10 +85,10 @@ mod tests {
     fn the_table_of_the_book_is_this_one() {
         let page = include_str!("../../../docs/book/src/settings.md");
         for quality in Quality::ALL {
-            let [lattice, psnr, error, threshold, tolerance, paper, suns, ordinates, cut] =
+            let [lattice, voxels, psnr, error, threshold, tolerance, paper, suns, ordinates, cut] =
                 preset(quality).words();
             let row = format!(
-                " | {lattice} | {psnr} | {error} | {threshold} | {tolerance} ({paper}) | `{suns}` | {ordinates} | `{cut}` |"
+                " | {lattice} | {voxels} | {psnr} | {error} | {threshold} | {tolerance} ({paper}) | `{suns}` | {ordinates} | `{cut}` |"
             );
             let begins = format!("| `{}`", quality.name());
             let fits = |line: &str| line.starts_with(&begins) && line.ends_with(&row);

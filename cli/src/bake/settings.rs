@@ -29,17 +29,18 @@ pub(crate) fn bake_settings(
 ) -> Result<BakeSettings, Failure> {
     let planned = plan.map(|plan| plan.share(species)).transpose()?.and_then(|share| share.lattice);
     let wanted = plan.map(|plan| Wanted::by_plan(plan, species)).transpose()?;
+    let voxels = args.voxels.unwrap_or(BakeSettings::of(args.quality()).voxels);
     Ok(BakeSettings {
-        lattice: lattice(args, planned, species)?,
-        voxels: args.voxels,
+        lattice: lattice(args, planned, voxels, species)?,
+        voxels,
         ignore_alpha: args.ignore_alpha,
         wanted: wanted.unwrap_or_default(),
         model: model::settings(args)?,
     })
 }
 
-/// The flag's, the plan's, or the preset's; not two of them, and a divisor of `--voxels`.
-fn lattice(args: &BakeArgs, planned: Option<u32>, species: &str) -> Result<u32, Failure> {
+/// The flag's, the plan's, or the preset's; not two of them, and a divisor of `voxels`.
+fn lattice(args: &BakeArgs, planned: Option<u32>, voxels: u32, species: &str) -> Result<u32, Failure> {
     if let (Some(planned), Some(asked)) = (planned, args.lattice) {
         let message = format!(
             "the plan bakes species {species:?} at lattice {planned}; --lattice {asked} cannot be given with it"
@@ -48,10 +49,9 @@ fn lattice(args: &BakeArgs, planned: Option<u32>, species: &str) -> Result<u32, 
         return Err(args.plan.iter().fold(failure, |failure, path| failure.at(path)));
     }
     let lattice = args.lattice.or(planned).unwrap_or(BakeSettings::of(args.quality()).lattice);
-    if !(args.voxels.is_multiple_of(lattice) && (1..=MAX_VOXELS).contains(&args.voxels)) {
+    if !(voxels.is_multiple_of(lattice) && (1..=MAX_VOXELS).contains(&voxels)) {
         let message = format!(
-            "--voxels is {}, expected a multiple of the lattice, {lattice}, up to {MAX_VOXELS}",
-            args.voxels
+            "--voxels is {voxels}, expected a multiple of the lattice, {lattice}, up to {MAX_VOXELS}"
         );
         return Err(Failure::new(USAGE, message));
     }
