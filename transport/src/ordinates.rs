@@ -241,8 +241,9 @@ pub fn solve_among(
         Some(refined) => refined.means(&values),
         None => values,
     };
-    let open_sky = march.as_ref().filter(|_| settings.sky()).map(|march| march.sky::<1>(below));
-    let sky = open_sky.as_ref().map(|sky| mean_of(sky.as_flattened().to_vec()));
+    let open_sky = march.as_ref().filter(|_| settings.sky());
+    let open_sky = open_sky.map(|march| march.sky::<1>(below).into_flattened());
+    let sky = open_sky.clone().map(mean_of);
     progress(0.2)?;
 
     let items = settings.items();

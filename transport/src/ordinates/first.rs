@@ -8,7 +8,7 @@ use flb_format::beam::single::Segment;
 use prefetch_index::prefetch_index;
 use pulp::{Arch, NullaryFnOnce};
 
-use super::halves::{HALVINGS, by_halves};
+use super::halves::{HALVINGS, add_each, by_halves};
 use super::lanes::Lanes;
 use super::march::{FINE, March, Slant, SlantedTracks, WAYS};
 use super::moments::Moments;
@@ -77,8 +77,7 @@ impl March {
             first
         };
         let add = |first: &mut Vec<[[Lanes; M]; B]>, other: Vec<[[Lanes; M]; B]>| {
-            let sums = first.as_flattened_mut().as_flattened_mut().iter_mut();
-            sums.zip(other.as_flattened().as_flattened()).for_each(|(sum, other)| *sum += *other);
+            add_each(first.as_flattened_mut().as_flattened_mut(), other.as_flattened().as_flattened());
         };
         let first = by_halves(&self.axes, HALVINGS, &of_axes, &add);
         std::array::from_fn(|band| first.iter().map(|first| first[band]).collect())

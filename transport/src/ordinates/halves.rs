@@ -1,6 +1,8 @@
 //! Sums over parts that threads may share: in halves, and halves of those. The order of additions is the same for any
 //! number of threads.
 
+use std::ops::AddAssign;
+
 /// Times that the axes of a march are halved, so that more threads than groups of suns find work.
 pub(super) const HALVINGS: u32 = 2;
 
@@ -19,4 +21,9 @@ pub(super) fn by_halves<I: Sync, T: Send>(
     let (mut sum, other) = rayon::join(|| half(here), || half(there));
     add(&mut sum, other);
     sum
+}
+
+/// Adds each value of another list to the one at its place.
+pub(super) fn add_each<T: Copy + AddAssign>(sums: &mut [T], others: &[T]) {
+    sums.iter_mut().zip(others).for_each(|(sum, other)| *sum += *other);
 }

@@ -18,7 +18,7 @@ use prefetch_index::prefetch_index;
 use pulp::{Arch, NullaryFnOnce};
 use rayon::prelude::*;
 
-use super::halves::{HALVINGS, by_halves};
+use super::halves::{HALVINGS, add_each, by_halves};
 use super::lanes::Lanes;
 use crate::turbid::TurbidMedium;
 
@@ -171,9 +171,7 @@ impl March {
             }
             escape
         };
-        let add = |escape: &mut Vec<f32>, other: Vec<f32>| {
-            escape.iter_mut().zip(other).for_each(|(sum, other)| *sum += other);
-        };
+        let add = |escape: &mut Vec<f32>, other: Vec<f32>| add_each(escape, &other);
         let escape = by_halves(&axes, HALVINGS, &escape_along, &add);
         March { axes, escape }
     }
@@ -198,8 +196,7 @@ impl March {
             sky
         };
         let add = |sky: &mut Vec<[f32; M]>, other: Vec<[f32; M]>| {
-            let others = other.as_flattened().iter();
-            sky.as_flattened_mut().iter_mut().zip(others).for_each(|(sum, other)| *sum += other);
+            add_each(sky.as_flattened_mut(), other.as_flattened());
         };
         by_halves(&self.axes, HALVINGS, &along, &add)
     }

@@ -41,7 +41,7 @@ pub(super) struct Scattering<'a> {
     /// Light of the sky from below the horizon, relative to that above.
     pub below: f32,
     /// Fluence of the sky before any scattering, where that is wanted.
-    pub open_sky: Option<&'a [[f32; 1]]>,
+    pub open_sky: Option<&'a [f32]>,
     pub settings: &'a OrdinatesSettings,
     /// Whether the rest of the light may be solved for harmonics of the sun.
     pub may_be_smooth: bool,
@@ -106,7 +106,7 @@ impl Scattering<'_> {
             .map(|band| Smooth::of(self.plan, self.settings, band).filter(|_| self.may_be_smooth))
             .collect();
         let sky: Option<Vec<[f32; M]>> = self.open_sky.map(|fluence| match M {
-            1 => fluence.iter().map(|[fluence]| [*fluence; M]).collect(),
+            1 => fluence.iter().map(|fluence| [*fluence; M]).collect(),
             _ => self.march.sky(self.below),
         });
         // One part per band.
@@ -150,13 +150,7 @@ impl Scattering<'_> {
         let OrdinatesSettings { tolerance, max_passes, .. } = *self.settings;
         let solved = source_iteration(self.march, &band.gains, &first, [0.0; LANES], tolerance, max_passes);
         let light = (0..group.lanes()).map(|lane| fluence(&solved.light, lane)).collect();
-        Part {
-            light,
-            passes: solved.passes,
-            error_estimate: solved.error_estimate,
-            smooth: Vec::new(),
-            apart: Vec::new(),
-        }
+        Part { light, passes: solved.passes, error_estimate: solved.error_estimate, ..Part::default() }
     }
 
     /// The light of a group that was scattered once or twice, and what the rest is made of.
@@ -170,16 +164,15 @@ impl Scattering<'_> {
     ) -> Part<M> {
         // Of suns that are held out and of the sky, all is solved together with the rest of the others.
         let fitted = self.plan.fitted().saturating_sub(group.first_sun).min(group.beams.len());
-        let mut apart: Vec<_> = (fitted..group.beams.len()).map(|lane| lane_of(&first, lane)).collect();
-        let mut part =
-            Part { light: Vec::new(), passes: 0, error_estimate: 0.0, smooth: Vec::new(), apart: Vec::new() };
+        let apart = (fitted..group.beams.len()).map(|lane| lane_of(&first, lane)).collect();
+        let mut part = Part { apart, ..Part::default() };
         if fitted > 0 || sky.is_some() {
             // The light of the sky goes along, one scattering behind.
             if let Some(sky) = sky {
                 set_lane(&mut first, group.beams.len(), sky);
             }
             let next = arrives(self.march, &band.gains, &first);
-            apart.extend(sky.map(|_| lane_of(&next, group.beams.len())));
+            part.apart.extend(sky.map(|_| lane_of(&next, group.beams.len())));
             let both = |lane: usize| {
                 first.iter().zip(&next).map(|(first, next)| first[0].0[lane] + next[0].0[lane]).collect()
             };
@@ -187,7 +180,6 @@ impl Scattering<'_> {
             part.passes = 1;
             part.smooth = smooth.project(&next, group.first_sun, fitted);
         }
-        part.apart = apart;
         part
     }
 
@@ -241,6 +233,7 @@ impl Group<'_> {
 }
 
 /// Light of some groups in a band.
+#[derive(Default)]
 struct Part<const M: usize> {
     /// `[lane][site]`: all of it, or what was scattered once or twice, of the suns that fields are made from.
     light: Vec<Vec<f32>>,

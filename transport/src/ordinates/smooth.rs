@@ -8,6 +8,7 @@ use flb_format::sun::harmonics;
 use rayon::prelude::*;
 
 use super::band::Band;
+use super::halves::add_each;
 use super::moments::Moments;
 use super::suns::SolvePlan;
 use super::{OrdinatesSettings, SunBasis};
@@ -69,9 +70,7 @@ impl Smooth {
         }
         // Groups of suns that are held out have none.
         sums.par_iter_mut().zip(other).for_each(|(sums, other)| {
-            for (sum, other) in sums.as_flattened_mut().iter_mut().zip(other.as_flattened()) {
-                *sum += other;
-            }
+            add_each(sums.as_flattened_mut(), other.as_flattened());
         });
     }
 

@@ -8,6 +8,7 @@
 //! As K loses no light and W is at most the albedo, the error is at most the step over 1 - albedo; the rate of the last
 //! steps gives a tighter estimate, and the smaller of both counts.
 
+use super::halves::add_each;
 use super::lanes::{LANES, Lanes};
 use super::march::March;
 use super::moments::{Exchange, Moments, ScatteringMoments, degree};
@@ -77,7 +78,7 @@ pub(super) fn source_iteration<const M: usize>(
             error_estimate = 0.0;
         }
         if error_estimate <= tolerance {
-            add(&mut light, &step);
+            add_each(light.as_flattened_mut(), step.as_flattened());
             break;
         }
         mixing.advance(&mut light, &step);
@@ -115,12 +116,6 @@ fn become_step<const M: usize>(
         (change, norm) => libm::sqrt(change / norm),
     };
     (0..LANES).map(relative).fold(0.0, f64::max)
-}
-
-fn add<const M: usize>(light: &mut Moments<M>, step: &Moments<M>) {
-    for (light, step) in light.iter_mut().zip(step) {
-        light.iter_mut().zip(step).for_each(|(light, step)| *light += *step);
-    }
 }
 
 /// Anderson mixing: the next start is x + f - sum over k of gamma_k (dx_k + df_k), gamma minimising |f - sum gamma_k

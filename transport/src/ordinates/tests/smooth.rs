@@ -39,7 +39,7 @@ fn light(medium: &TurbidMedium, bands: &[BandScatter], may_be_smooth: bool) -> (
         plan: &plan,
         beams: &beams.iter().collect::<Vec<_>>(),
         below: 1.0,
-        open_sky: Some(&march.sky(1.0)),
+        open_sky: Some(&march.sky::<1>(1.0).into_flattened()),
         settings: &settings,
         may_be_smooth,
     };
