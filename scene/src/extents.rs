@@ -114,12 +114,14 @@ pub enum Doubt {
     NoWood,
     /// The plant has wood and no leaf.
     NoLeaf,
-    /// Alpha leaves nothing of a material.
+    /// Alpha leaves nothing of a material, or next to nothing.
     CutAway {
         /// Name of the material.
         material: String,
         /// Area of the material's triangles, square metres.
         area_m2: f64,
+        /// Share of it that alpha leaves, 0..=1.
+        left: f64,
     },
     /// The wood begins high above the lowest leaf.
     HighWood {
@@ -190,11 +192,14 @@ impl Display for Doubt {
             }
             Doubt::NoWood => write!(f, "the plant has leaves and no wood: no material is taken for wood"),
             Doubt::NoLeaf => write!(f, "the plant has wood and no leaf: no material is taken for leaf"),
-            Doubt::CutAway { material, area_m2 } => write!(
-                f,
-                "alpha leaves nothing of material {material:?}, whose triangles have {} m^2",
-                number(*area_m2)
-            ),
+            Doubt::CutAway { material, area_m2, left } => {
+                let left = match *left > 0.0 {
+                    true => format!("{} %", number(100.0 * left)),
+                    false => "nothing".to_owned(),
+                };
+                let area = number(*area_m2);
+                write!(f, "alpha leaves {left} of material {material:?}, whose triangles have {area} m^2")
+            }
             Doubt::HighWood { above_m, height_m } => {
                 let [above, height] = [*above_m, *height_m].map(number);
                 write!(
@@ -206,7 +211,8 @@ impl Display for Doubt {
                 let percent = |share: f64| format!("{:.0} %", 100.0 * share);
                 write!(
                     f,
-                    "{} of the leaf area sees {} of the sky past wood, expected over {}: it stays dark",
+                    "{} of the leaf area sees {} of the sky past wood, expected over {}: it stays dark, and the light \
+                     of suns there, a hundredth of open light, may be off by a third",
                     percent(*share),
                     percent(*open),
                     percent(enclosed::OPEN)

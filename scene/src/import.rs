@@ -36,7 +36,7 @@ pub use self::split_patterns::{is_met_by, splits};
 use self::blend::place_blends;
 use self::choice::Choice;
 use self::files::{Files, Records, name_of, open_regular};
-use self::soup::{FileFrame, Soup};
+use self::soup::{FileFrame, Soup, WITHIN, is_beyond};
 use self::split::split;
 use self::split_patterns::SplitPatterns;
 use crate::mesh::{AlphaMode, Mesh, Texture};
@@ -99,6 +99,10 @@ pub fn import(path: &Path, settings: &ImportSettings) -> Result<Mesh, ImportErro
         }
         Format::Obj => obj::import(&mut files, path, &choice, frame, &mut soup)?,
     };
+    for material in surfaces.materials.iter().filter(|material| is_beyond(&material.base_color)) {
+        let ([r, g, b, _], name) = (material.base_color, quoted(&material.name));
+        files.warn(format!("the material '{name}' has the colour {r} {g} {b}, {WITHIN}"));
+    }
     limit_cutting(&files, &surfaces)?;
     let gltf::Surfaces { materials, images, parts } = surfaces;
     let mut finished = soup.finish(&mut files, settings.offset_m)?;

@@ -49,10 +49,16 @@ pub fn nearest(texture: &Texture, image: &Image, uv: [f32; 2]) -> [u8; 4] {
     if image.width == 0 || image.height == 0 {
         return [255; 4];
     }
+    let [x, y] = nearest_place(texture, image, uv);
+    texel(image, x as usize, y as usize)
+}
+
+/// Column and row of the texel that is nearest to texture coordinates, of an image that has texels.
+pub(crate) fn nearest_place(texture: &Texture, image: &Image, uv: [f32; 2]) -> [u32; 2] {
     let [u, v] = transformed(texture, uv);
     let x = wrapped(floor_to_i64(u * f64::from(image.width)), image.width, texture.wrap[0]);
     let y = wrapped(floor_to_i64(v * f64::from(image.height)), image.height, texture.wrap[1]);
-    texel(image, x, y)
+    [x as u32, y as u32]
 }
 
 /// KHR_texture_transform applied.

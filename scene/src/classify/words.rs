@@ -13,6 +13,7 @@ use std::collections::HashMap;
 use std::sync::LazyLock;
 
 use lists::{FOREIGN, FOREIGN_WITHIN, LEAF, LEAF_WITHIN, NEUTRAL, PLURALS, WOOD, WOOD_WITHIN};
+use unicode_normalization::UnicodeNormalization;
 
 use crate::class::MaterialClass;
 
@@ -31,7 +32,8 @@ pub enum Told {
 
 /// Reads the evidence of a name for a class.
 pub fn told(name: &str) -> Told {
-    let parts = parts_of(name);
+    // Some systems write an umlaut as a letter and a mark.
+    let parts = parts_of(&name.nfc().collect::<String>());
     let mut unknown: Option<&String> = None;
     for part in parts.iter().rev() {
         match told_by_part(part) {
@@ -154,6 +156,8 @@ mod tests {
         let table = [
             ("leaves", Some(Leaf)),
             ("Leaves_Mat.001", Some(Leaf)),
+            ("Bla\u{308}tter", Some(Leaf)),
+            ("Sta\u{308}mme_01", Some(Wood)),
             ("oakBark", Some(Wood)),
             ("Twig", Some(Leaf)),
             ("Trunk", Some(Wood)),

@@ -218,7 +218,8 @@ fn leaves_behind_walls_are_doubted_with_what_they_see() {
         doubts.into_iter().find(|doubt| doubt.name() == "enclosed")
     };
     let found = of(&boxed(&sides), &[leaf(0.2), leaf(0.6)]);
-    let text = "100 % of the leaf area sees 0 % of the sky past wood, expected over 15 %: it stays dark";
+    let text = "100 % of the leaf area sees 0 % of the sky past wood, expected over 15 %: it stays dark, and the light \
+                of suns there, a hundredth of open light, may be off by a third";
     assert_eq!(found.map(|doubt| doubt.to_string()).as_deref(), Some(text));
     // Deep in it, without the lid; and above it.
     let Some(Doubt::Enclosed(deep)) = of(&boxed(&sides[..5]), &[leaf(0.1)]) else { panic!("deep in a pot") };
@@ -309,6 +310,32 @@ fn levels_of_detail_beside_each_other_are_a_doubt_that_names_them() {
 }
 
 #[test]
+fn whole_plants_in_much_the_same_box_are_levels_whatever_their_names() {
+    let [wood, leaves] = tree();
+    let mut plant = plant(&wood, &leaves, |point| point);
+    let whole = |name: &str| {
+        let mut both = part(&plant, &[name], 0..wood.len());
+        both.uses.extend(part(&plant, &[], wood.len()..wood.len() + leaves.len()).uses);
+        both
+    };
+    let [a, mut b] = ["Oak.L0", "Oak.L1"].map(whole);
+    let branch = part(&plant, &["branch"], 0..wood.len());
+    let mut doubts = |parts: &[&Part]| {
+        plant.mesh.parts = parts.iter().map(|part| (*part).clone()).collect();
+        all_found(&plant, Up::Y)
+    };
+    let levels =
+        |doubts: Vec<Doubt>| matches!(doubts.as_slice(), [Doubt::Levels { names }] if names.len() == 2);
+    assert!(levels(doubts(&[&a, &b])), "twice the same plant");
+    let longest = (0..3).map(|k| a.uses[0].bounds_m.max[k] - a.uses[0].bounds_m.min[k]).fold(0.0, f64::max);
+    b.uses.iter_mut().for_each(|used| used.bounds_m.max[0] += 0.1 * longest);
+    assert_eq!(doubts(&[&a, &b]), [], "two stems of one shrub");
+    b.uses.iter_mut().for_each(|used| used.triangles /= 4);
+    assert!(levels(doubts(&[&a, &b])), "a coarse level with larger leaves");
+    assert_eq!(doubts(&[&a, &branch]), []);
+}
+
+#[test]
 fn plants_beside_each_other_are_a_doubt() {
     let [wood, leaves] = tree();
     let moved = |of: &[foot::Triangle]| {
@@ -338,10 +365,44 @@ fn a_plant_without_wood_or_leaves_and_a_material_that_is_all_cut_are_doubts() {
     cut.mesh.materials[0].alpha_mode = AlphaMode::Cut { cutoff: 0.5 };
     cut.mesh.materials[0].base_color[3] = 0.2;
     match all_found(&cut, Up::Y).as_slice() {
-        [Doubt::CutAway { material, area_m2 }] => {
-            assert_eq!(material, "leaf");
+        [Doubt::CutAway { material, area_m2, left }] => {
+            assert_eq!((material.as_str(), *left), ("leaf", 0.0));
             assert!((area_m2 - 15.0 * 0.02).abs() < 1e-6, "{area_m2}");
         }
         other => panic!("{other:?}"),
     }
+}
+
+#[test]
+fn a_material_whose_triangles_show_next_to_nothing_of_its_image_is_a_doubt() {
+    let [wood, leaves] = tree();
+    let mut cut = plant(&wood, &leaves, |point| point);
+    // Of 64 columns the upper half is there, and one of the others.
+    let texel = |at: u32| [80, 160, 40, if at % 64 >= 32 || at % 64 == 3 { 255 } else { 0 }];
+    let rgba = (0..64 * 64).flat_map(texel).collect();
+    let name = "leaf.png".to_owned();
+    cut.mesh.images = vec![crate::mesh::Image { name, width: 64, height: 64, rgba, has_cut: true }];
+    let (wrap, transform) = ([crate::mesh::Wrap::Repeat; 2], [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0]]);
+    cut.mesh.materials[0].color_texture = Some(crate::mesh::Texture { image: 0, wrap, transform });
+    cut.mesh.materials[0].alpha_mode = AlphaMode::Cut { cutoff: 0.5 };
+    let mut found = |low: f32, high: f32| {
+        let middle = 0.5 * (low + high);
+        let corners = [[low, 0.1], [high, 0.1], [middle, 0.9]];
+        cut.mesh.uvs = vec![[0.0; 2]; cut.mesh.positions.len()];
+        for triangle in &cut.mesh.triangles {
+            (0..3).for_each(|corner| cut.mesh.uvs[triangle[corner] as usize] = corners[corner]);
+        }
+        match all_found(&cut, Up::Y).as_slice() {
+            [] => None,
+            [doubt @ Doubt::CutAway { left, .. }] => Some((*left, doubt.to_string())),
+            other => panic!("{other:?}"),
+        }
+    };
+    assert_eq!(found(0.0, 1.0), None);
+    // As where a file states no texture coordinates.
+    let (left, text) = found(0.0, 0.0).expect("a doubt");
+    assert_eq!((left, text.contains("alpha leaves nothing of material \"leaf\"")), (0.0, true), "{text}");
+    let (left, text) = found(0.0, 3.05 / 64.0).expect("a doubt");
+    assert!(left < 0.01, "{left}");
+    assert!(left == 0.0 || text.contains(" % of material \"leaf\", whose triangles have"), "{text}");
 }

@@ -3,10 +3,14 @@
 
 use std::collections::BTreeMap;
 
+use flb_format::meta::Bounds;
+
 use super::{Doubt, Extents, number};
 use crate::alpha::Coverage;
-use crate::mesh::Part;
-use crate::{ClassedMesh, MaterialClass};
+use crate::import::area;
+use crate::mesh::{AlphaMode, Part};
+use crate::sampling::on_triangle;
+use crate::{ClassedMesh, MaterialClass, Mesh};
 
 /// Cells along the longer edge of the plant's ground plan.
 const CELLS: usize = 64;
@@ -16,17 +20,24 @@ const GAP: usize = 4;
 const MIN_SHARE: f64 = 0.05;
 /// Boxes of two levels of detail differ by no more than this, as a share of their longest edge.
 const SAME_BOX: f64 = 0.02;
+/// Boxes of two levels that are a plant each.
+const LIKE_BOX: f64 = 0.15;
 /// One level has so many times the triangles of the next.
 const FEWER: f64 = 1.5;
 /// Names that a doubt lists.
 const LISTED: usize = 8;
+/// Alpha that leaves less than this share of a material is doubted: cards of needles keep several hundredths.
+const MIN_LEFT: f64 = 0.01;
+/// Triangles of a material that are looked at first, and points of each: most plants show enough there.
+const LOOKED_AT: usize = 1024;
+const POINTS: u32 = 16;
 /// Parts that are compared with each other.
 const COMPARED: usize = 256;
 
 /// Doubts of that kind.
 pub(super) fn doubts(plant: &ClassedMesh, extents: &Extents) -> Vec<Doubt> {
     let mut found = Vec::new();
-    found.extend(levels(plant));
+    found.extend(levels(plant, extents));
     found.extend(apart(plant, extents));
     let counts = plant.triangle_counts();
     match (counts.leaf, counts.wood) {
@@ -38,32 +49,61 @@ pub(super) fn doubts(plant: &ClassedMesh, extents: &Extents) -> Vec<Doubt> {
     found
 }
 
-/// Materials of which alpha leaves nothing.
+/// Materials of which alpha leaves next to nothing: by all texels of an image, or by those that its triangles show.
 fn cut_away(plant: &ClassedMesh) -> Vec<Doubt> {
     let mesh = &plant.mesh;
-    let is_gone = |material: usize| {
+    let may_be = |material: usize| {
         plant.classes[material] != MaterialClass::Neither
-            && Coverage::of(mesh, material) == Ok(Coverage::Nothing)
+            && mesh.materials[material].alpha_mode != AlphaMode::Opaque
     };
-    let gone: Vec<usize> = (0..mesh.materials.len()).filter(|&material| is_gone(material)).collect();
-    let area_m2 = |material: usize| -> f64 {
-        let of_it =
-            mesh.triangles.iter().zip(&mesh.triangle_material).filter(|(_, of)| **of as usize == material);
-        of_it
-            .map(|(corners, _)| {
-                crate::import::area(corners.map(|v| mesh.positions[v as usize].map(f64::from)))
-            })
-            .sum()
-    };
-    let named = gone.into_iter().map(|material| (mesh.materials[material].name.clone(), area_m2(material)));
-    named
-        .filter(|(_, area_m2)| *area_m2 > 0.0)
-        .map(|(material, area_m2)| Doubt::CutAway { material, area_m2 })
-        .collect()
+    let may_be: Vec<bool> = (0..mesh.materials.len()).map(may_be).collect();
+    let mut triangles: Vec<Vec<u32>> = vec![Vec::new(); mesh.materials.len()];
+    for (triangle, &material) in (0..).zip(&mesh.triangle_material) {
+        if may_be[material as usize] {
+            triangles[material as usize].push(triangle);
+        }
+    }
+    let mut found = Vec::new();
+    for (index, triangles) in triangles.into_iter().enumerate().filter(|(_, of_it)| !of_it.is_empty()) {
+        let Ok(coverage) = Coverage::of(mesh, index) else { continue };
+        if coverage == Coverage::Full {
+            continue;
+        }
+        let some = triangles.iter().copied().step_by(triangles.len().div_ceil(LOOKED_AT));
+        let [left_m2, area_m2] = left_of(mesh, &coverage, some);
+        if left_m2 >= MIN_LEFT * area_m2 {
+            continue;
+        }
+        let [left_m2, area_m2] = left_of(mesh, &coverage, triangles.into_iter());
+        if area_m2 > 0.0 && left_m2 < MIN_LEFT * area_m2 {
+            let material = mesh.materials[index].name.clone();
+            found.push(Doubt::CutAway { material, area_m2, left: left_m2 / area_m2 });
+        }
+    }
+    found
+}
+
+/// Area of triangles that is there, and of all of them, square metres.
+fn left_of(mesh: &Mesh, coverage: &Coverage, triangles: impl Iterator<Item = u32>) -> [f64; 2] {
+    let mut sums = [0.0; 2];
+    for triangle in triangles {
+        let corners = mesh.triangles[triangle as usize].map(|vertex| vertex as usize);
+        let uvs = corners.map(|vertex| mesh.uvs.get(vertex).copied().unwrap_or_default());
+        let is_there = |point: &u32| {
+            let [u, v] = on_triangle(triangle, *point);
+            let weights = [1.0 - u - v, u, v];
+            coverage.present_at([0, 1].map(|axis| (0..3).map(|k| weights[k] * uvs[k][axis]).sum()))
+        };
+        let share = (0..POINTS).filter(is_there).count() as f64 / f64::from(POINTS);
+        let area_m2 = area(corners.map(|vertex| mesh.positions[vertex].map(f64::from)));
+        sums[0] += share * area_m2;
+        sums[1] += area_m2;
+    }
+    sums
 }
 
 /// Levels of detail by their names, else by what fills the same box with fewer triangles.
-fn levels(plant: &ClassedMesh) -> Option<Doubt> {
+fn levels(plant: &ClassedMesh, extents: &Extents) -> Option<Doubt> {
     let mesh = &plant.mesh;
     let is_plant = |part: &Part| {
         part.uses.iter().any(|used| plant.classes[used.material as usize] != MaterialClass::Neither)
@@ -92,7 +132,8 @@ fn levels(plant: &ClassedMesh) -> Option<Doubt> {
     if names.is_empty() {
         let all: Vec<&Part> = parts().take(COMPARED).collect();
         for (at, a) in all.iter().enumerate() {
-            if let Some(b) = all[at + 1..].iter().find(|b| fill_the_same_box(a, b)) {
+            let is_level = |b: &&&Part| fill_the_same_box(a, b) || are_both_whole(plant, extents, a, b);
+            if let Some(b) = all[at + 1..].iter().find(is_level) {
                 names = vec![a.label(), b.label()];
                 break;
             }
@@ -100,6 +141,13 @@ fn levels(plant: &ClassedMesh) -> Option<Doubt> {
     }
     (!names.is_empty()).then_some(Doubt::Levels { names })
 }
+
+/// Words of a level of detail.
+const QUALITIES: &str = "
+    high highest highpoly highres hipoly hires hi medium mid med low lowest lowpoly lowres lopoly lores lo
+    billboard impostor imposter simplified decimated reduced proxy hd sd
+    hoch mittel niedrig haut haute moyen moyenne bas basse alto alta medio media bajo baja
+";
 
 /// What a name says without its level of detail, and that level: `oak`, `1` of `Oak_LOD1`; `oak`, `low` of `oak-low`.
 fn level_of(name: &str) -> Option<(String, String)> {
@@ -112,47 +160,57 @@ fn level_of(name: &str) -> Option<(String, String)> {
             return Some((format!("{before}{}", &rest[digits..]), rest[..digits].to_owned()));
         }
     }
-    const QUALITIES: [&str; 12] = [
-        "lowpoly",
-        "highpoly",
-        "high",
-        "medium",
-        "mid",
-        "low",
-        "hipoly",
-        "lopoly",
-        "billboard",
-        "impostor",
-        "imposter",
-        "simplified",
-    ];
     let words: Vec<&str> = lower.split(['_', '-', '.', ' ']).collect();
-    let at = words.iter().rposition(|word| QUALITIES.contains(word))?;
+    let at = words.iter().rposition(|word| QUALITIES.split_whitespace().any(|known| known == *word))?;
     let stem: Vec<&str> = words.iter().enumerate().filter(|(i, _)| *i != at).map(|(_, word)| *word).collect();
     Some((stem.join("_"), words[at].to_owned()))
 }
 
 /// Whether two parts of the same materials have one box, and clearly different numbers of triangles.
 fn fill_the_same_box(a: &Part, b: &Part) -> bool {
-    let (Some(first), Some(second)) = (a.bounds_m(), b.bounds_m()) else { return false };
+    let [few, many] = triangles_of_both(a, b);
+    few >= 8.0 && many >= FEWER * few && are_alike(a, b, SAME_BOX)
+}
+
+/// Whether two parts are a plant each, leaves and wood, of the same materials: one box and any numbers of triangles, or
+/// much the same box and clearly different numbers. Leaves of lower levels are larger, so that their box is, too.
+fn are_both_whole(plant: &ClassedMesh, extents: &Extents, a: &Part, b: &Part) -> bool {
+    let has =
+        |part: &Part, class| part.uses.iter().any(|used| plant.classes[used.material as usize] == class);
+    let is_whole = |part: &Part| {
+        let of_plant = Some(extents.bounds_m);
+        has(part, MaterialClass::Leaf)
+            && has(part, MaterialClass::Wood)
+            && off_by(part.bounds_m(), of_plant).is_some_and(|off| off <= LIKE_BOX)
+    };
+    let [few, many] = triangles_of_both(a, b);
+    let tolerance = if many >= FEWER * few { LIKE_BOX } else { SAME_BOX };
+    is_whole(a) && is_whole(b) && are_alike(a, b, tolerance)
+}
+
+fn triangles_of_both(a: &Part, b: &Part) -> [f64; 2] {
+    let [a, b] = [a, b].map(|part| part.uses.iter().map(|used| used.triangles).sum::<u64>() as f64);
+    [a.min(b), a.max(b)]
+}
+
+/// Whether two parts have the same materials, and boxes that differ by no more than a share of their longest edge.
+fn are_alike(a: &Part, b: &Part, tolerance: f64) -> bool {
     let materials = |part: &Part| {
         let mut all: Vec<u32> = part.uses.iter().map(|used| used.material).collect();
         all.sort_unstable();
         all
     };
-    let triangles = |part: &Part| part.uses.iter().map(|used| used.triangles).sum::<u64>() as f64;
+    materials(a) == materials(b) && off_by(a.bounds_m(), b.bounds_m()).is_some_and(|off| off <= tolerance)
+}
+
+/// How far two boxes differ, as a share of the longest edge of the first.
+fn off_by(first: Option<Bounds>, second: Option<Bounds>) -> Option<f64> {
+    let (first, second) = (first?, second?);
     let longest = (0..3).map(|axis| first.max[axis] - first.min[axis]).fold(0.0, f64::max);
     let off = (0..3).map(|axis| {
         (first.min[axis] - second.min[axis]).abs().max((first.max[axis] - second.max[axis]).abs())
     });
-    let [few, many] = match triangles(a) < triangles(b) {
-        true => [triangles(a), triangles(b)],
-        false => [triangles(b), triangles(a)],
-    };
-    few >= 8.0
-        && many >= FEWER * few
-        && materials(a) == materials(b)
-        && off.fold(0.0, f64::max) <= SAME_BOX * longest
+    (longest > 0.0).then(|| off.fold(0.0, f64::max) / longest)
 }
 
 /// Plants that stand beside each other, with empty ground between them.
@@ -183,7 +241,7 @@ fn apart(plant: &ClassedMesh, extents: &Extents) -> Option<Doubt> {
         for z in north..=south {
             is_filled[z * CELLS + west..=z * CELLS + east].fill(true);
         }
-        areas[north * CELLS + west] += crate::import::area(points);
+        areas[north * CELLS + west] += area(points);
     }
     let stands = stands(&is_filled);
     let count = stands.iter().copied().max().map_or(0, |most| most + 1);
@@ -262,6 +320,8 @@ mod tests {
             ("LOD_1_oak", Some("_oak 1")),
             ("Oak-low", Some("oak low")),
             ("oak billboard", Some("oak billboard")),
+            ("Baum_hoch", Some("baum hoch")),
+            ("tree_lowest", Some("tree lowest")),
             ("oak_lod", None),
             ("Highland_Oak", None),
             ("clod3", Some("c 3")),

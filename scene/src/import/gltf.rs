@@ -85,7 +85,7 @@ pub(super) fn import(
         return Err(ImportError::Instanced { file, instances: scene.instanced, meshes });
     }
 
-    let mut keys: BTreeMap<Key, (u32, u32)> = BTreeMap::new();
+    let mut keys: BTreeMap<Key, (u32, Option<u32>)> = BTreeMap::new();
     let mut mesh_used = vec![false; root.meshes.len()];
     for placed in &scene.placed {
         let Some(mesh) = root.meshes.get(placed.mesh) else {
@@ -95,7 +95,7 @@ pub(super) fn import(
         };
         if !std::mem::replace(&mut mesh_used[placed.mesh], true) {
             for primitive in &mesh.primitives {
-                keys.insert(key_of(files, &root, placed.mesh, primitive)?, (0, 0));
+                keys.insert(key_of(files, &root, placed.mesh, primitive)?, (0, None));
             }
         }
     }
@@ -109,7 +109,7 @@ pub(super) fn import(
                 (loaded.material, loaded.tex_coord)
             }
             Key::Without { mesh } => {
-                (Material::opaque(name_without_material(files, &root, &scene, mesh)?), 0)
+                (Material::opaque(name_without_material(files, &root, &scene, mesh)?), None)
             }
         };
         *slot = (materials.len() as u32, tex_coord);

@@ -13,13 +13,15 @@ use super::error::ImportError;
 use super::files::{Files, Found};
 use super::limits;
 use super::png::leave_out_metadata;
-use crate::mesh::Image;
+use crate::mesh::{Image, Material};
 
 /// All images of a mesh so far.
 #[derive(Default)]
 pub(super) struct Images {
     /// Decoded, in order of first use.
     pub images: Vec<Image>,
+    /// Whether an alpha channel that is 0 everywhere means that.
+    pub keeps_zero_alpha: bool,
     known: HashMap<String, Option<u32>>,
     texels: u64,
     stored_bytes: u64,
@@ -85,6 +87,13 @@ impl Images {
         })
     }
 
+    /// Whether one of the textures of a material differs from place to place.
+    pub(super) fn differ_in(&self, material: &Material) -> bool {
+        let textures = [material.color_texture, material.alpha_texture, material.passing_texture];
+        let images = textures.into_iter().flatten().map(|texture| &self.images[texture.image as usize]);
+        images.into_iter().any(|image| image.width > 1 || image.height > 1)
+    }
+
     /// A second image with the coverage of `image` in its alpha, white otherwise.
     pub(super) fn coverage_of(
         &mut self,
@@ -110,6 +119,20 @@ impl Images {
             *texel = [255, 255, 255, there(*texel)];
         }
         Ok(self.push(key, Image { name, width, height, has_cut: has_cut(&rgba), rgba }))
+    }
+
+    /// A second image with the colours of `image`, all of it there.
+    pub(super) fn without_alpha(&mut self, files: &mut Files, image: u32) -> Result<u32, ImportError> {
+        let key = format!("colours of {image}");
+        if let Some(&Some(known)) = self.known.get(&key) {
+            return Ok(known);
+        }
+        let source = &self.images[image as usize];
+        let (name, width, height) = (source.name.clone(), source.width, source.height);
+        self.count_texels(files, &name, width, height)?;
+        let mut rgba = self.images[image as usize].rgba.clone();
+        rgba.as_chunks_mut::<4>().0.iter_mut().for_each(|texel| texel[3] = 255);
+        Ok(self.push(key, Image { name, width, height, has_cut: false, rgba }))
     }
 
     fn push(&mut self, key: String, image: Image) -> u32 {
@@ -181,7 +204,7 @@ impl Images {
         };
         let (width, height) = rgba.dimensions();
         let mut rgba = rgba.into_raw();
-        if rgba.as_chunks::<4>().0.iter().all(|texel| texel[3] == 0) {
+        if !self.keeps_zero_alpha && rgba.as_chunks::<4>().0.iter().all(|texel| texel[3] == 0) {
             // Exporters that do not use the channel write zeros; a surface that is nowhere would not be exported.
             files.warn(format!("the alpha channel of '{name}' is 0 everywhere; it is not used"));
             rgba.as_chunks_mut::<4>().0.iter_mut().for_each(|texel| texel[3] = 255);

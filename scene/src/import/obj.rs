@@ -4,6 +4,7 @@
 //! per face, panics on a `Kd` of fewer than three numbers, refuses continued lines, passes NaN
 //! vertices on, keeps texture options inside file names, and its errors know no line.
 
+mod digits;
 mod library;
 mod mtl;
 mod parse;
@@ -38,7 +39,7 @@ pub(super) fn import(
     }
     let mut images = Images::default();
     let mut materials = Vec::with_capacity(parsed.materials.len());
-    for name in parsed.materials {
+    for (name, without_uv) in parsed.materials.into_iter().zip(parsed.without_uv) {
         materials.push(match library.find(files, &name) {
             Some((mtl, folders)) => Material { name, ..material(files, &mut images, mtl, &folders)? },
             None => {
@@ -48,6 +49,17 @@ pub(super) fn import(
                 Material::opaque(name)
             }
         });
+        if let Some(material) =
+            materials.last().filter(|material| without_uv > 0 && images.differ_in(material))
+        {
+            let name = &material.name;
+            let faces = if without_uv == 1 { "1 face".to_owned() } else { format!("{without_uv} faces") };
+            let have = if without_uv == 1 { "has" } else { "have" };
+            files.warn(format!(
+                "{faces} of the material '{name}' {have} no texture coordinates (vt), which its texture reads: its \
+                 first texel is taken"
+            ));
+        }
     }
     Ok(Surfaces { materials, images: images.images, parts: parsed.parts })
 }
@@ -99,6 +111,12 @@ fn material(
         |diffuse: &[f32; 3]| color.is_none() || (*diffuse != [0.0; 3] && mtl.color_map.is_some());
     if let Some([r, g, b]) = mtl.diffuse.filter(multiplies) {
         material.base_color = [r, g, b, 1.0];
+    }
+    if alpha.is_some() && mtl.opacity > 0.0 && mtl.opacity < 1.0 {
+        files.warn(format!(
+            "{place} has an image of what is there (map_d): its d or Tr, {}, is not used",
+            mtl.opacity
+        ));
     }
     if mtl.opacity < 1.0 && alpha.is_none() {
         match mtl.opacity > 0.0 {
@@ -152,14 +170,20 @@ fn material(
             }
         }
         (Some((map, color)), None) if images.images[color as usize].has_cut => {
-            let image = &images.images[color as usize];
-            match soft_share(image) {
-                soft if soft > MAX_SOFT => files.warn(format!(
-                    "{place} has no map_d, and the alpha of '{}' is no outline ({:.0} % of it is neither 0 nor 1); it is \
-                     not used",
-                    shown_reference(&map.file),
-                    100.0 * soft
-                )),
+            match soft_share(&images.images[color as usize]) {
+                soft if soft > MAX_SOFT => {
+                    files.warn(format!(
+                        "{place} has no map_d, and the alpha of '{}' is no outline ({:.0} % of it is neither 0 nor 1); \
+                         it is not used",
+                        shown_reference(&map.file),
+                        100.0 * soft
+                    ));
+                    if material.alpha_mode != AlphaMode::Opaque {
+                        // Its d makes it a share, of which that image is no part.
+                        let image = images.without_alpha(files, color)?;
+                        material.color_texture = Some(texture(map, image));
+                    }
+                }
                 _ => {
                     files.warn(format!(
                         "{place} has no map_d, but '{}' has an alpha channel; it cuts, unless the material is wood",

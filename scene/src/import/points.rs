@@ -149,12 +149,25 @@ impl Reach {
 /// Steps of coordinates that a mean edge needs at least: with fewer, the shape is that of the rounding.
 const STEPS_PER_EDGE: f64 = 16.0;
 
-/// An error where the steps of the f32s in which a far shape was stored are near its edges. `triangles` are its corners
-/// in the coordinates of `reach`.
+/// The same where numbers were written with few digits: rounding that may be meant, as to whole centimetres, passes.
+const DIGIT_STEPS_PER_EDGE: f64 = 2.0;
+
+/// In what far coordinates were stored.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) enum Stored {
+    /// Numbers of 32 bits.
+    F32,
+    /// Numbers written with digits down to this step.
+    Digits(f64),
+}
+
+/// An error where the steps of the numbers in which a far shape was stored are near its edges. `triangles` are its
+/// corners in the coordinates of `reach`.
 pub(super) fn check_steps(
     files: &Files,
     place: &str,
     reach: &Reach,
+    stored: Stored,
     triangles: impl Iterator<Item = [[f64; 3]; 3]>,
 ) -> Result<(), ImportError> {
     if !reach.is_far() {
@@ -168,19 +181,22 @@ pub(super) fn check_steps(
         }
     }
     let edge = (sum / count.max(1) as f64).sqrt();
-    let step = reach.step();
-    if count == 0 || edge >= STEPS_PER_EDGE * step {
+    let (step, least, how) = match stored {
+        Stored::F32 => (reach.step(), STEPS_PER_EDGE, "in numbers of 32 bits, whose steps are"),
+        Stored::Digits(step) => (step, DIGIT_STEPS_PER_EDGE, "with so few digits that their steps are"),
+    };
+    if count == 0 || edge >= least * step {
         return Ok(());
     }
     Err(files.malformed(
         place,
         format!(
-            "coordinates of {:.0} in numbers of 32 bits, whose steps are {step} there, and edges of {} in the mean",
+            "coordinates of {:.0} {how} {step} there, and edges of {} in the mean",
             reach.farthest(),
             crate::extents::number(edge)
         ),
         format!(
-            "edges of {STEPS_PER_EDGE} steps at least: the shape is lost in the file; export the plant near its origin"
+            "edges of {least} steps at least: the shape is lost in the file; export the plant near its origin"
         ),
     ))
 }

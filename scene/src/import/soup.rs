@@ -4,7 +4,7 @@
 use super::error::ImportError;
 use super::files::Files;
 use super::limits;
-use super::points::{Points, Reach, check_steps};
+use super::points::{Points, Reach, Stored, check_steps};
 use crate::mesh::Mesh;
 
 /// Axis of an input that points up.
@@ -97,6 +97,14 @@ struct Run {
 
 const WHITE: [f32; 4] = [1.0; 4];
 
+/// What a colour is to be.
+pub(super) const WITHIN: &str = "expected shares from 0 to 1: no surface sends out more light than it gets";
+
+/// Whether R, G or B is no share of light, but for rounding.
+pub(super) fn is_beyond([r, g, b, _]: &[f32; 4]) -> bool {
+    [r, g, b].into_iter().any(|share| !(0.0..=1.01).contains(share))
+}
+
 /// What a soup becomes.
 pub(super) struct Finished {
     /// Mesh, its `materials`, `images`, `sources`, `warnings`, `notes` and `parts` empty.
@@ -185,10 +193,10 @@ impl Soup {
         }
     }
 
-    /// For points that the file held in f32: an error where the steps of those are near the edges of the triangles.
-    pub(super) fn check_steps(&self, files: &Files, place: &str) -> Result<(), ImportError> {
+    /// An error where the steps of the numbers that the file holds are near the edges of the triangles.
+    pub(super) fn check_steps(&self, files: &Files, place: &str, stored: Stored) -> Result<(), ImportError> {
         let corners = self.triangles.iter().map(|corners| corners.map(|at| self.points.get(at as usize)));
-        check_steps(files, place, &self.reach, corners)
+        check_steps(files, place, &self.reach, stored, corners)
     }
 
     /// Changes the colours of all vertices, if there are any but white.
@@ -207,6 +215,9 @@ impl Soup {
         files: &mut Files,
         asked: Option<[f64; 3]>,
     ) -> Result<Finished, ImportError> {
+        if let Some([r, g, b, _]) = self.colors.iter().find(|color| is_beyond(color)) {
+            files.warn(format!("a vertex has the colour {r} {g} {b}, {WITHIN}"));
+        }
         let offset_m = asked.unwrap_or_else(|| self.reach.offset());
         self.positions = std::mem::take(&mut self.points).into_f32(offset_m);
         let read = self.triangles.len();

@@ -13,6 +13,7 @@ use std::collections::{BTreeMap, HashMap};
 
 use flb_format::meta::Bounds;
 
+use super::blend::split_points;
 use super::error::ImportError;
 use super::files::Files;
 use super::limits;
@@ -123,6 +124,8 @@ pub(super) fn split(
     let numbers: Vec<u32> = distinct.iter().map(|key| number[key]).collect();
     slots.iter_mut().for_each(|slot| *slot = numbers[*slot as usize]);
     mesh.triangle_material = slots;
+    split_points(&mut mesh);
+    files.limit("materials, split by what they show", mesh.materials.len() as u64, limits::MATERIALS)?;
     fill_uses(&mesh, &triangle_part, &mut parts);
     parts.retain(|part| !part.uses.is_empty());
     mesh.parts = parts;

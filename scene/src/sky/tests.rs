@@ -245,6 +245,19 @@ fn a_data_window_is_placed_in_the_display_window_and_the_rest_is_black() {
 }
 
 #[test]
+fn an_exr_of_other_channels_is_refused_with_their_names() {
+    use exr::prelude::{SpecificChannels, WritableImage};
+    let folder = tempfile::tempdir().expect("a folder");
+    let path = folder.path().join("gray.exr");
+    let channels = SpecificChannels::build().with_channel("Y").with_pixel_fn(|_| (0.5_f32,));
+    exr::prelude::Image::from_channels((8, 4), channels).write().to_file(&path).expect("written");
+    says(
+        SkyImage::read(&path).expect_err("no colours"),
+        &["gray.exr", "channels Y", "expected channels R, G and B"],
+    );
+}
+
+#[test]
 fn primaries_of_an_exr_become_those_of_srgb_or_are_refused() {
     let folder = tempfile::tempdir().expect("a folder");
     let path = folder.path().join("wide.exr");

@@ -86,6 +86,19 @@ pub(super) fn open<'a>(
     let most = u64::from(u32::MAX);
     let base = accessors.open(files, &format!("{name}, POSITION"), position, &[Type::Vec3], most)?;
     let count = base.count;
+    for (what, semantic) in [
+        ("NORMAL", Semantic::Normals),
+        ("TEXCOORD", Semantic::TexCoords(tex_coord)),
+        ("COLOR_0", Semantic::Colors(0)),
+    ] {
+        let Some(index) = attribute(semantic) else { continue };
+        let accessor = root.accessors.get(index);
+        if accessor.is_some_and(|accessor| accessor.buffer_view.is_none() && accessor.sparse.is_none()) {
+            let place = format!("{name}, {what}");
+            refuse_compressed(files, primitive, &place)?;
+            files.warn(format!("{place}: its accessor has no bufferView, so that all its numbers are 0"));
+        }
+    }
     let sized = |accessors: &mut Accessors<'a>, what: &str, index: Option<usize>, types: &[Type]| {
         let Some(index) = index else { return Ok(None) };
         let accessor = accessors.open(files, &format!("{name}, {what}"), index, types, most)?;
@@ -215,19 +228,45 @@ impl<'a> Skin<'a> {
         if matrices.is_none() {
             files.warn(format!("{name} has a skin that cannot be read; it stands as stored"));
         }
-        Ok(matrices.map(|matrices| Skin { joints, matrices }))
+        let skin = matrices.map(|matrices| Skin { joints, matrices });
+        if let Some(skin) = &skin {
+            let count = skin.joints.first().map_or(0, |[joints, _]| joints.count);
+            let odd = (0..count).filter(|&vertex| !skin.holds(vertex)).count();
+            if odd > 0 {
+                let joints = skin.matrices.len();
+                files.warn(format!(
+                    "{name}: {odd} of {count} vertices have no weight, or one on a joint that is not among the {joints} \
+                     of its skin; those joints were left out"
+                ));
+            }
+        }
+        Ok(skin)
+    }
+
+    /// Joints and weights of a vertex, set by set.
+    fn sets(&self, vertex: usize) -> impl Iterator<Item = [(usize, f64); 4]> {
+        self.joints.iter().map(move |[joints, weights]| {
+            let (joints, weights) = (joints.get::<4>(vertex), weights.get::<4>(vertex));
+            std::array::from_fn(|k| (joints[k] as usize, weights[k]))
+        })
+    }
+
+    /// Whether a vertex has a weight, and none on a joint that the skin lacks.
+    fn holds(&self, vertex: usize) -> bool {
+        let mut weighty = self.sets(vertex).flatten().filter(|(_, weight)| *weight > 0.0).peekable();
+        weighty.peek().is_some() && weighty.all(|(joint, _)| joint < self.matrices.len())
     }
 
     /// glTF 3.7.3.1: the weighted sum of the joints' matrices. The node's own transform is ignored.
     pub(super) fn matrix(&self, vertex: usize) -> DMat4 {
-        let sets = || {
-            self.joints.iter().map(|[joints, weights]| (joints.get::<4>(vertex), weights.get::<4>(vertex)))
-        };
-        let total: f64 = sets().map(|(_, weights)| weights.iter().sum::<f64>()).sum();
+        let known = |(joint, _): &(usize, f64)| *joint < self.matrices.len();
+        let of_set =
+            |set: [(usize, f64); 4]| set.into_iter().filter(known).map(|(_, weight)| weight).sum::<f64>();
+        let total: f64 = self.sets(vertex).map(of_set).sum();
         let mut sum = DMat4::ZERO;
-        for (joint, weight) in sets().flat_map(|(joints, weights)| joints.into_iter().zip(weights)) {
-            if let Some(matrix) = self.matrices.get(joint as usize).filter(|_| weight > 0.0) {
-                sum += *matrix * (weight / total);
+        for (joint, weight) in self.sets(vertex).flatten().filter(known) {
+            if weight > 0.0 {
+                sum += self.matrices[joint] * (weight / total);
             }
         }
         if sum == DMat4::ZERO { DMat4::IDENTITY } else { sum }

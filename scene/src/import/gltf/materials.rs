@@ -21,8 +21,8 @@ use crate::texture::SrgbTable;
 pub(super) struct Loaded {
     /// Material without name.
     pub material: Material,
-    /// `TEXCOORD_n`.
-    pub tex_coord: u32,
+    /// `TEXCOORD_n`; `None` where no texture is read.
+    pub tex_coord: Option<u32>,
 }
 
 /// Everything that materials are made from.
@@ -74,9 +74,12 @@ impl Library<'_> {
         let mut texture = json.pbr_metallic_roughness.base_color_texture.clone();
         let older: Option<SpecularGlossiness> =
             extension(files, &place, others, "KHR_materials_pbrSpecularGlossiness")?;
-        if let Some(older) = older {
-            base_color = older.diffuse_factor.unwrap_or(base_color);
-            texture = older.diffuse_texture.or(texture);
+        if let Some(older) =
+            older.filter(|older| older.diffuse_factor.is_some() || older.diffuse_texture.is_some())
+        {
+            // The metallic-roughness model beside it is for readers that do not know this one.
+            base_color = older.diffuse_factor.unwrap_or([1.0; 4]);
+            texture = older.diffuse_texture;
         }
         let transmission: Option<DiffuseTransmission> =
             extension(files, &place, others, "KHR_materials_diffuse_transmission")?;
@@ -90,10 +93,11 @@ impl Library<'_> {
         }
         let alpha_mode = alpha_mode(files, &place, json, &mut base_color, color_texture, &self.images);
         let material = Material { color_texture, alpha_mode, base_color, ..Material::opaque(name) };
-        let mut loaded = Loaded { material, tex_coord };
+        let mut loaded = Loaded { material, tex_coord: tex_coord_of_color };
         if let Some(transmission) = transmission {
             self.transmission(files, &place, &transmission, tex_coord_of_color, &mut loaded)?;
         }
+        loaded.tex_coord = loaded.tex_coord.filter(|_| self.images.differ_in(&loaded.material));
         Ok(loaded)
     }
 
@@ -110,10 +114,14 @@ impl Library<'_> {
         let material = &mut loaded.material;
         let mut factor = json.diffuse_transmission_factor.clamp(0.0, 1.0);
         if let Some(info) = json.diffuse_transmission_texture.as_ref().filter(|_| factor > 0.0) {
-            let (texture, tex_coord) = self.texture(files, place, info)?;
+            // Zeros of colour's alpha are an unused channel; here they let nothing pass.
+            self.images.keeps_zero_alpha = true;
+            let found = self.texture(files, place, info);
+            self.images.keeps_zero_alpha = false;
+            let (texture, tex_coord) = found?;
             match texture {
                 Some(texture) if tex_coord_of_color.is_none_or(|of_color| of_color == tex_coord) => {
-                    loaded.tex_coord = tex_coord;
+                    loaded.tex_coord = Some(tex_coord);
                     material.passing_texture = Some(texture);
                 }
                 Some(texture) => {
@@ -162,14 +170,19 @@ impl Library<'_> {
         });
         // gltf-json writes u32::MAX where a texture has no plain source.
         let source = json.source.value();
-        let source = webp.or((source != u32::MAX as usize).then_some(source));
-        let Some(source) = source else {
+        let plain = (source != u32::MAX as usize).then_some(source);
+        let mut sources = webp.into_iter().chain(plain).peekable();
+        if sources.peek().is_none() {
             files.warn(format!("{place} has no source that is read (KTX2, DDS?); going on without"));
-            return Ok((None, tex_coord));
-        };
-        let Some(image) = self.image(files, &place, source)? else {
-            return Ok((None, tex_coord));
-        };
+        }
+        let mut image = None;
+        for source in sources {
+            image = self.image(files, &place, source)?;
+            if image.is_some() {
+                break;
+            }
+        }
+        let Some(image) = image else { return Ok((None, tex_coord)) };
         let sampler = json.sampler.and_then(|sampler| self.root.samplers.get(sampler.value()));
         let modes = sampler.map(|sampler| [&sampler.wrap_s, &sampler.wrap_t]);
         if modes.is_some_and(|modes| modes.contains(&&Checked::Invalid)) {
@@ -279,7 +292,9 @@ fn alpha_mode(
             Some(image) => format!("its image '{}' has no alpha", image.name),
             None => "it has no image".to_owned(),
         };
-        files.warn(format!("{place} has alpha mode MASK, but {what}; taken as opaque"));
+        files.warn(format!(
+            "{place} has alpha mode MASK, but {what}; taken as opaque, unless its vertices say less"
+        ));
     }
     let effective = cutoff / factor;
     if !cuts || effective > 1.0 || effective.is_nan() {

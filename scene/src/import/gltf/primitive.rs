@@ -11,7 +11,7 @@ use super::scene::{Placed, Scene};
 use crate::import::error::ImportError;
 use crate::import::files::Files;
 use crate::import::limits;
-use crate::import::points::{Reach, check_steps};
+use crate::import::points::{Reach, Stored, check_steps};
 use crate::import::soup::{FileFrame, Soup, Vertex};
 
 /// Where the triangles of a primitive go.
@@ -22,8 +22,8 @@ pub(super) struct Target<'a> {
     pub frame: FileFrame,
     /// Index of the primitive's material in the mesh being made.
     pub material: u32,
-    /// Number of the set of texture coordinates that the material reads.
-    pub tex_coord: u32,
+    /// Number of the set of texture coordinates that the material reads, if it reads one.
+    pub tex_coord: Option<u32>,
 }
 
 /// Memory that [`add`] takes per triangle: three corners, the vertices among them, and their new numbers.
@@ -47,7 +47,7 @@ pub(super) fn add(
         return Ok(());
     }
     let Some(Attributes { positions, normals, uvs, colors, joints }) =
-        attributes::open(files, accessors, placed, primitive, name, target.tex_coord)?
+        attributes::open(files, accessors, placed, primitive, name, target.tex_coord.unwrap_or(0))?
     else {
         return Ok(());
     };
@@ -61,8 +61,10 @@ pub(super) fn add(
     let count = positions.base.count;
     let corners = corners(files, name, mode, indices.as_ref(), count, target.soup.triangles.len())?;
     let skin = Skin::read(files, accessors, scene, placed, joints, name)?;
-    if uvs.is_none() && target.tex_coord > 0 {
-        files.warn(format!("{name} lacks TEXCOORD_{}, which its texture reads", target.tex_coord));
+    if let (None, Some(tex_coord)) = (&uvs, target.tex_coord) {
+        files.warn(format!(
+            "{name} lacks TEXCOORD_{tex_coord}, which its texture reads: its first texel is taken"
+        ));
     }
 
     let mut used = corners.clone();
@@ -95,7 +97,7 @@ pub(super) fn add(
     if positions.base.component() == (ComponentType::F32, false) {
         let triangles = corners.as_chunks::<3>().0.iter();
         let stored = triangles.map(|triangle| triangle.map(|vertex| positions.get(vertex as usize)));
-        check_steps(files, &format!("{name}, POSITION"), &reach, stored)?;
+        check_steps(files, &format!("{name}, POSITION"), &reach, Stored::F32, stored)?;
     }
     let lookup = |vertex: u32| new_index[used.binary_search(&vertex).expect("used holds every corner")];
     for &[a, b, c] in corners.as_chunks::<3>().0 {

@@ -12,6 +12,7 @@ use crate::mesh::{AlphaMode, Mesh, Wrap};
 mod chosen;
 mod hostile;
 mod instancing;
+mod odd;
 mod refusals;
 mod said;
 mod stand;

@@ -1,6 +1,6 @@
 //! The materials of all MTL files of an OBJ, and what a name in the OBJ means among them.
 
-use std::collections::HashMap;
+use std::collections::{HashMap, HashSet};
 use std::path::{Path, PathBuf};
 
 use flb_format::text::url::{is_meant, shown_reference};
@@ -18,9 +18,14 @@ pub(super) struct Library {
     bytes: u64,
     /// By name as written; of several materials of one name the last one holds, as if it had overwritten the others.
     exact: HashMap<String, usize>,
+    /// Names of several materials that differ.
+    ambiguous: HashSet<String>,
     /// By [`common`] name, and by that without case.
     alike: [HashMap<String, usize>; 2],
 }
+
+/// Words of a file's name among several on a line.
+const MAX_WORDS: usize = 6;
 
 /// An MTL file.
 struct Read {
@@ -39,7 +44,10 @@ impl Library {
             library.read_line(files, names)?;
         }
         for (index, mtl) in library.materials.iter().enumerate() {
-            library.exact.insert(mtl.name.clone(), index);
+            let before = library.exact.insert(mtl.name.clone(), index);
+            if before.is_some_and(|before| library.materials[before] != *mtl) {
+                library.ambiguous.insert(mtl.name.clone());
+            }
             let common = common(&mtl.name);
             library.alike[1].insert(words::caseless(&common), index);
             library.alike[0].insert(common, index);
@@ -63,6 +71,11 @@ impl Library {
                 index
             }
         };
+        if self.ambiguous.contains(&self.materials[index].name) {
+            files.warn(format!(
+                "the material '{name}' is there several times, and differs; the last one is taken"
+            ));
+        }
         let of = self.read.partition_point(|read| read.first <= index) - 1;
         Some((&self.materials[index], [&self.read[of].folder, Path::new("")]))
     }
@@ -75,16 +88,47 @@ impl Library {
         }
         // A URL with a blank in it is one name: its pieces would not look like one.
         let is_one = is_meant(names);
-        for name in names.split(|c: char| c.is_whitespace() && !is_one).filter(|name| !name.is_empty()) {
-            match self.look_for(files, name)? {
-                Found::File(path) => self.read_file(files, path)?,
-                Found::Missing(path) => {
-                    let (name, path) = (shown_reference(name), path.display());
-                    files.warn(format!("the material file '{name}' is not there ({path}); going on without"));
-                }
+        let words: Vec<&str> =
+            names.split(|c: char| c.is_whitespace() && !is_one).filter(|name| !name.is_empty()).collect();
+        let mut at = 0;
+        while at < words.len() {
+            let (name, path) = (
+                shown_reference(words[at]),
+                match self.look_for(files, words[at].trim_matches('"'))? {
+                    Found::File(path) => {
+                        self.read_file(files, path)?;
+                        at += 1;
+                        continue;
+                    }
+                    Found::Missing(path) => path,
+                },
+            );
+            // One of several files may have blanks in its name, too.
+            if let Some((path, next)) = self.look_for_words(files, &words, at)? {
+                self.read_file(files, path)?;
+                at = next;
+                continue;
             }
+            let path = path.display();
+            files.warn(format!("the material file '{name}' is not there ({path}); going on without"));
+            at += 1;
         }
         Ok(())
+    }
+
+    /// The file whose name is the words from one on, and the number of the word behind them.
+    fn look_for_words(
+        &self,
+        files: &mut Files,
+        words: &[&str],
+        from: usize,
+    ) -> Result<Option<(PathBuf, usize)>, ImportError> {
+        for to in from + 2..=words.len().min(from + MAX_WORDS) {
+            if let Found::File(path) = self.look_for(files, words[from..to].join(" ").trim_matches('"'))? {
+                return Ok(Some((path, to)));
+            }
+        }
+        Ok(None)
     }
 
     /// Beside the OBJ, then beside the MTL file before.

@@ -39,6 +39,8 @@ pub(super) struct Map {
     pub wrap: Wrap,
     /// `-imfchan`: r, g, b, m (matte, the alpha channel), l (luminance) or z.
     pub channel: Option<char>,
+    /// Options that would change brightness or shape of what is seen.
+    pub unread: Vec<&'static str>,
 }
 
 /// Adds the materials of a file of at most `most_bytes`; its length.
@@ -49,12 +51,20 @@ pub(super) fn read(
     materials: &mut Vec<Mtl>,
 ) -> Result<u64, ImportError> {
     let file = name_of(path);
-    files.read_lines(path, most_bytes, &mut |files, _, line| parse_line(files, &file, line, materials))
+    files.read_lines(path, most_bytes, &mut |files, number, line| {
+        parse_line(files, &Place { file: &file, number }, line, materials)
+    })
+}
+
+/// A line of a file.
+struct Place<'a> {
+    file: &'a str,
+    number: u64,
 }
 
 fn parse_line(
     files: &mut Files,
-    file: &str,
+    place: &Place,
     line: &str,
     materials: &mut Vec<Mtl>,
 ) -> Result<(), ImportError> {
@@ -75,34 +85,73 @@ fn parse_line(
     let number =
         || rest.split_whitespace().find_map(|word| word.parse::<f32>().ok()).filter(|x| x.is_finite());
     match keyword.to_ascii_lowercase().as_str() {
-        "kd" => material.diffuse = color(rest),
-        "d" => material.opacity = number().unwrap_or(material.opacity),
-        "tr" => material.opacity = number().map_or(material.opacity, |transparency| 1.0 - transparency),
-        "map_kd" => material.color_map = parse_map(rest),
-        "map_ka" => material.ambient_map = parse_map(rest),
-        "map_d" | "map_opacity" | "map_tr" => material.alpha_map = parse_map(rest),
+        "kd" => {
+            material.diffuse = color(rest);
+            if material.diffuse.is_none() {
+                warn_of_value(files, place, keyword, rest, "three numbers; the material stays without it");
+            }
+        }
+        "d" | "tr" => match number() {
+            Some(opacity) if keyword.eq_ignore_ascii_case("d") => material.opacity = opacity,
+            Some(transparency) => material.opacity = 1.0 - transparency,
+            None => warn_of_value(files, place, keyword, rest, "a number; the material stays without it"),
+        },
+        "map_kd" => material.color_map = read_map(files, place, keyword, rest),
+        "map_ka" => material.ambient_map = read_map(files, place, keyword, rest),
+        "map_d" | "map_opacity" | "map_tr" => material.alpha_map = read_map(files, place, keyword, rest),
         lower => {
             if let Some(why) = known::unread(known::MTL, lower, rest) {
-                files.warn(format!("{} ({}) is not read: {why}", quoted(keyword), quoted(file)));
+                files.warn(format!("{} ({}) is not read: {why}", quoted(keyword), quoted(place.file)));
             }
         }
     }
     Ok(())
 }
 
-/// `r g b` or `r`; other ways (`spectral`, `xyz`) are left out.
+/// A statement whose value is of a form that is not read: another way to write a colour (`spectral`, `xyz`), or what
+/// the exporter's language made of a number (`0,5`).
+fn warn_of_value(files: &mut Files, place: &Place, keyword: &str, rest: &str, expected: &str) {
+    let Place { file, number } = place;
+    let (file, keyword, rest) = (quoted(file), quoted(keyword), quoted(rest));
+    files.warn(format!("line {number} of {file}, {keyword}: found '{rest}', expected {expected}"));
+}
+
+/// `r g b` or `r`; `None` for other ways (`spectral`, `xyz`).
 fn color(rest: &str) -> Option<[f32; 3]> {
-    let mut values = rest.split_whitespace().map(|word| word.parse::<f32>().ok().filter(|x| x.is_finite()));
-    let red = values.next()??;
-    let green = values.next().flatten().unwrap_or(red);
-    let blue = values.next().flatten().unwrap_or(red);
-    Some([red, green, blue])
+    let words = rest.split_whitespace().take_while(|word| !word.starts_with('#')).take(3);
+    let values: Option<Vec<f32>> =
+        words.map(|word| word.parse::<f32>().ok().filter(|x| x.is_finite())).collect();
+    let values = values?;
+    let red = *values.first()?;
+    Some([red, values.get(1).copied().unwrap_or(red), values.get(2).copied().unwrap_or(red)])
+}
+
+/// A texture; warns of options that would change what is seen of it.
+fn read_map(files: &mut Files, place: &Place, keyword: &str, rest: &str) -> Option<Map> {
+    let mut map = parse_map(rest);
+    let is_alpha = !keyword.to_ascii_lowercase().starts_with("map_k");
+    if let Some(map) =
+        map.as_mut().filter(|map| map.channel.is_some_and(|channel| !is_alpha || channel == 'z'))
+    {
+        map.unread.push("-imfchan");
+    }
+    if let Some(options) = map.as_ref().map(|map| &map.unread).filter(|options| !options.is_empty()) {
+        let (file, keyword, options) = (quoted(place.file), quoted(keyword), quoted(&options.join(", ")));
+        files.warn(format!("{options} of {keyword} ({file}) is not read: the texture is taken as it is"));
+    }
+    map
 }
 
 /// `[options] file name with spaces`.
 fn parse_map(rest: &str) -> Option<Map> {
-    let mut map =
-        Map { file: String::new(), offset: [0.0; 2], scale: [1.0; 2], wrap: Wrap::Repeat, channel: None };
+    let mut map = Map {
+        file: String::new(),
+        offset: [0.0; 2],
+        scale: [1.0; 2],
+        wrap: Wrap::Repeat,
+        channel: None,
+        unread: Vec::new(),
+    };
     let mut rest = rest;
     while let Some((option, after)) = take_word(rest).filter(|(word, _)| is_option(word)) {
         rest = after;
@@ -110,15 +159,22 @@ fn parse_map(rest: &str) -> Option<Map> {
             "-o" | "-s" | "-t" => {
                 let values = take_numbers(&mut rest, 3);
                 let target = match option {
-                    "-o" => Some(&mut map.offset),
-                    "-s" => Some(&mut map.scale),
-                    _ => None,
+                    "-o" => &mut map.offset,
+                    "-s" => &mut map.scale,
+                    _ if values.iter().all(|value| *value == 0.0) => continue,
+                    _ => {
+                        map.unread.push("-t");
+                        continue;
+                    }
                 };
-                if let Some(target) = target {
-                    target.iter_mut().zip(values).for_each(|(old, value)| *old = value);
+                target.iter_mut().zip(values).for_each(|(old, value)| *old = value);
+            }
+            "-mm" => {
+                let values = take_numbers(&mut rest, 2);
+                if values.iter().zip([0.0, 1.0]).any(|(value, nothing)| *value != nothing) {
+                    map.unread.push("-mm");
                 }
             }
-            "-mm" => drop(take_numbers(&mut rest, 2)),
             "-bm" | "-boost" | "-texres" => drop(take_numbers(&mut rest, 1)),
             _ => {
                 let Some((value, after)) = take_word(rest) else { break };

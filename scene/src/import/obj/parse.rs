@@ -3,18 +3,20 @@
 use std::collections::{BTreeMap, HashMap};
 use std::path::Path;
 
+use super::digits::Digits;
 use super::polygon::Triangulator;
 use crate::import::choice::{Choice, labels};
 use crate::import::error::{ImportError, quoted};
 use crate::import::files::Files;
 use crate::import::known::obj as known;
 use crate::import::limits;
-use crate::import::points::Points;
+use crate::import::points::{Points, Stored};
 use crate::import::soup::{FileFrame, Soup, Vertex};
 use crate::mesh::Part;
 use crate::texture::linear;
 
 /// What an OBJ says besides its triangles.
+#[derive(Default)]
 pub(super) struct Parsed {
     /// `mtllib` names in order.
     pub libraries: Vec<String>,
@@ -24,6 +26,8 @@ pub(super) struct Parsed {
     pub has_usemtl: bool,
     /// Groups and objects that have faces, in order of their first.
     pub parts: Vec<Part>,
+    /// Faces with corners without texture coordinates, by material.
+    pub without_uv: Vec<u64>,
 }
 
 /// Memory of an entry of a table that has just grown, and of the one that it grew from.
@@ -39,6 +43,7 @@ struct Reader<'a> {
     positions: Points,
     /// Whether all coordinates of `v` lines are f32s, as in a file whose maker held them so.
     are_f32: bool,
+    digits: Digits,
     /// As long as `positions`, or empty where no `v` has a colour; as written.
     colors: Vec<[f32; 3]>,
     uvs: Vec<[f32; 2]>,
@@ -75,12 +80,13 @@ pub(super) fn read(
         frame,
         positions: Points::default(),
         are_f32: true,
+        digits: Digits::NONE,
         colors: Vec::new(),
         uvs: Vec::new(),
         normals: Vec::new(),
         corners: HashMap::new(),
         triangulator: Triangulator::new(),
-        parsed: Parsed { libraries: Vec::new(), materials: Vec::new(), has_usemtl: false, parts: Vec::new() },
+        parsed: Parsed::default(),
         choice,
         group: String::new(),
         object: String::new(),
@@ -92,14 +98,17 @@ pub(super) fn read(
         unread: BTreeMap::new(),
     };
     files.read_lines(path, limits::OBJ_BYTES, &mut |files, number, line| reader.line(files, number, line))?;
-    let Reader { positions, colors, uvs, normals, corners, are_f32, .. } = &reader;
+    let Reader { positions, colors, uvs, normals, corners, are_f32, digits, .. } = &reader;
     let held_bytes = CORNER_BYTES * corners.len() as u64
         + positions.held_bytes()
         + (size_of::<[f32; 3]>() * (colors.capacity() + normals.capacity())) as u64
         + (size_of::<[f32; 2]>() * uvs.capacity()) as u64;
     files.release(held_bytes);
     if *are_f32 {
-        reader.soup.check_steps(files, "the v lines")?;
+        reader.soup.check_steps(files, "the v lines", Stored::F32)?;
+    }
+    if let Some(step) = digits.step() {
+        reader.soup.check_steps(files, "the v lines", Stored::Digits(step * frame.unit_m))?;
     }
     choice.check(&files.file, labels(&reader.parsed.parts))?;
     if !colors.is_empty() {
@@ -128,8 +137,21 @@ impl Reader<'_> {
                 }
                 files.limit("v lines", before as u64 + 1, limits::VERTICES)?;
                 self.positions.push(files, "v lines", placed)?;
+                self.digits.add(point);
                 self.are_f32 &= point.iter().all(|x| f64::from(*x as f32) == *x);
                 // Of four numbers the last is a weight, of six or more the fourth to sixth are a colour.
+                if count == 4 && value[3] != 1.0 {
+                    self.leave_out("the fourth number of v", "a weight is of curves, not of triangles");
+                }
+                if count == 5 {
+                    self.leave_out(
+                        "the fourth and fifth number of v",
+                        "they are neither a weight nor a colour",
+                    );
+                }
+                if count == 7 && value[6] != 1.0 {
+                    self.leave_out("the seventh number of v", "behind a colour nothing is expected");
+                }
                 if count >= 6 || !self.colors.is_empty() {
                     while self.colors.len() < before {
                         files.push("colours of v lines", &mut self.colors, [1.0; 3])?;
@@ -179,16 +201,21 @@ impl Reader<'_> {
             }
             Some(keyword) if !keyword.starts_with('#') => {
                 if let Some(why) = known::unread(known::OBJ, keyword, "") {
-                    if let Some((count, _)) = self.unread.get_mut(keyword) {
-                        *count += 1;
-                    } else if self.unread.len() < limits::WARNINGS {
-                        self.unread.insert(keyword.to_owned(), (1, why));
-                    }
+                    self.leave_out(keyword, why);
                 }
             }
             _ => {}
         }
         Ok(())
+    }
+
+    /// Counts something that is not read.
+    fn leave_out(&mut self, what: &str, why: &'static str) {
+        if let Some((count, _)) = self.unread.get_mut(what) {
+            *count += 1;
+        } else if self.unread.len() < limits::WARNINGS {
+            self.unread.insert(what.to_owned(), (1, why));
+        }
     }
 
     fn material_number(&mut self, files: &Files, name: String) -> Result<u32, ImportError> {
@@ -199,6 +226,7 @@ impl Reader<'_> {
         let index = self.parsed.materials.len() as u32;
         files.limit("materials", u64::from(index) + 1, limits::MATERIALS)?;
         self.parsed.materials.push(name.clone());
+        self.parsed.without_uv.push(0);
         self.by_name.insert(name, index);
         Ok(index)
     }
@@ -262,6 +290,8 @@ impl Reader<'_> {
                 *self.material.insert(material)
             }
         };
+        self.parsed.without_uv[material as usize] +=
+            u64::from(corners.iter().any(|corner| corner[1] == u32::MAX));
         let mut vertices = Vec::with_capacity(corners.len());
         for &corner in &corners {
             vertices.push(self.vertex(files, corner)?);
@@ -334,10 +364,14 @@ impl Reader<'_> {
 /// exporters write what they cannot divide in the words of their C library (`-1.#IND`, `nan(ind)`).
 const NO_NUMBER: Option<f64> = Some(f64::NAN);
 
+/// What may be a 1 that was rounded; more is a number of up to 255.
+const ROUNDED_ONE: f32 = 1.01;
+
 /// Colours of vertices as exporters write them: sRGB from 0 to 1, or from 0 to 255.
 fn colors_of_vertices(files: &mut Files, soup: &mut Soup) {
-    let scale = if soup.largest_color() > 1.0 { 255.0 } else { 1.0 };
-    soup.map_colors(|color| color.map(|value| linear(f64::from(value).max(0.0) / scale) as f32));
+    let scale = if soup.largest_color() > ROUNDED_ONE { 255.0 } else { 1.0 };
+    let in_light = |value: f32| linear((f64::from(value) / scale).clamp(0.0, 1.0)) as f32;
+    soup.map_colors(|[r, g, b, alpha]| [in_light(r), in_light(g), in_light(b), alpha]);
     files.note(format!("colours of vertices (v x y z r g b) are read as sRGB from 0 to {scale}"));
 }
 

@@ -17,6 +17,15 @@ pub(super) fn read(bytes: &[u8], faults: &Faults) -> Result<Raw, super::SkyError
         faults.check_size(window.size.width(), window.size.height())?;
         faults.check_most(data.width(), data.height())?;
     }
+    let names_of = |header: &exr::meta::header::Header| -> Vec<String> {
+        header.channels.list.iter().map(|channel| channel.name.to_string()).collect()
+    };
+    let has_colors =
+        |names: &Vec<String>| ["R", "G", "B"].iter().all(|band| names.iter().any(|name| name == band));
+    if !meta.headers.iter().map(names_of).any(|names| has_colors(&names)) {
+        let found: Vec<String> = meta.headers.iter().flat_map(names_of).collect();
+        return Err(faults.header(&format!("channels {}", found.join(", ")), "channels R, G and B"));
+    }
     let image = exr::prelude::read()
         .no_deep_data()
         .largest_resolution_level()

@@ -9,7 +9,7 @@ use crate::classify::{ClassRules, classify};
 use crate::{MaterialClass, PlantReader};
 
 /// `json` with accessors added to its buffer, from index 1 on.
-fn with_accessors(mut json: Value, accessors: Vec<(Vec<u8>, Value)>) -> Value {
+pub(super) fn with_accessors(mut json: Value, accessors: Vec<(Vec<u8>, Value)>) -> Value {
     let mut bytes = bytes_of(TRIANGLE.as_flattened());
     for (values, mut accessor) in accessors {
         let view = json["bufferViews"].as_array().unwrap().len();
@@ -24,7 +24,7 @@ fn with_accessors(mut json: Value, accessors: Vec<(Vec<u8>, Value)>) -> Value {
     json
 }
 
-fn float(count: usize, kind: &str) -> Value {
+pub(super) fn float(count: usize, kind: &str) -> Value {
     json!({"componentType": 5126, "count": count, "type": kind})
 }
 
@@ -53,6 +53,10 @@ fn colours_of_vertices_multiply_those_of_the_material() {
         assert!((mean - glam::Vec3::new(0.5, 0.5, 0.1) / 3.0).length() < 2e-3, "{mean}");
     }
     let wrong = changed(&[("/meshes/0/primitives/0/attributes/COLOR_0", json!(1))]);
+    let large = with_accessors(wrong.clone(), vec![(bytes_of(&[200.0; 9]), float(3, "VEC3"))]);
+    assert!(
+        read(&large).unwrap().warnings[0].contains("a vertex has the colour 200 200 200, expected shares")
+    );
     let three = with_accessors(wrong.clone(), vec![(bytes_of(&[0.5; 9]), float(3, "VEC3"))]);
     assert_eq!(read(&three).unwrap().colors, [[0.5; 3]; 3]);
     let signed = json!({"componentType": 5120, "count": 3, "type": "VEC3"});

@@ -57,6 +57,16 @@ fn coordinates_that_went_through_f32_are_refused_where_that_lost_the_shape() {
     let error = read_text(&text(2.0)).unwrap_err().to_string();
     assert!(error.contains("the v lines: found coordinates of 5411934 in numbers of 32 bits"), "{error}");
     assert!(read_text(&text(64.0)).is_ok(), "a larger shape is there");
+    // The shape of a leaf in seven digits, as many programs print them.
+    let seven = "v 448262.3 5411932 318.12\nv 448262.4 5411932 318.16\nv 448262.3 5411933 318.12\nf 1 2 3\n";
+    let error = read_text(seven).unwrap_err().to_string();
+    assert!(
+        error.contains("the v lines: found coordinates of 5411933 with so few digits that their steps are 1"),
+        "{error}"
+    );
+    let centimetres = "v 448262.31 5411932.04 318.12\nv 448262.44 5411932.09 318.16\n\
+                       v 448262.37 5411932.18 318.12\nf 1 2 3\n";
+    assert!(read_text(centimetres).is_ok());
 }
 
 #[test]
@@ -110,7 +120,7 @@ fn the_alpha_of_a_colour_image_is_no_cut_where_it_is_gloss_or_the_material_is_wo
 
 #[test]
 fn an_image_of_ambient_light_stands_in_for_a_colour() {
-    let obj = format!("mtllib a.mtl\n{TRIANGLE}usemtl leaves\nf 1 2 3\n");
+    let obj = format!("mtllib a.mtl\n{TRIANGLE}vt 0 0\nusemtl leaves\nf 1/1 2/1 3/1\n");
     let image = png(|_| 255);
     let files =
         |mtl: &'static [u8]| read(&[("a.obj", obj.as_bytes()), ("a.mtl", mtl), ("a.png", &image)]).unwrap();
@@ -132,4 +142,118 @@ fn a_surface_without_an_image_may_be_there_in_part() {
         crate::color::on_surface(&mesh, &coverage, |_, _, area| there += area);
         assert!((there / 0.5 - share).abs() < 0.02, "{mtl}: {there}");
     }
+}
+
+#[test]
+fn values_of_a_form_that_is_not_read_are_told_with_their_line() {
+    let obj = format!("mtllib a.mtl\n{TRIANGLE}usemtl leaves\nf 1 2 3\n");
+    let image = png(|_| 255);
+    let told = |statement: &str| {
+        let mtl = format!("newmtl leaves\n{statement}\n");
+        let mesh = read(&[("a.obj", obj.as_bytes()), ("a.mtl", mtl.as_bytes()), ("a.png", &image)]).unwrap();
+        mesh.warnings.join("; ")
+    };
+    let cases = [
+        ("Kd 0,1 0,3 0,05", "line 2 of a.mtl, Kd: found '0,1 0,3 0,05', expected three numbers"),
+        ("Kd spectral green.rfl 1", "Kd: found 'spectral green.rfl 1'"),
+        ("Kd xyz 0.1 0.2 0.05", "Kd: found 'xyz 0.1 0.2 0.05'"),
+        ("Kd 0.1 nan 0.1", "Kd: found '0.1 nan 0.1'"),
+        ("Kd 25 76 12", "the material 'leaves' has the colour 25 76 12, expected shares from 0 to 1"),
+        ("Kd -0.1 0.3 0.1", "'leaves' has the colour -0.1 0.3 0.1"),
+        ("d 0,5", "line 2 of a.mtl, d: found '0,5', expected a number"),
+        ("Tr", "Tr: found ''"),
+        ("map_Kd -mm 0.0 0.2 a.png", "-mm of map_Kd (a.mtl) is not read"),
+        ("map_Kd -t 0.5 0.5 0.5 a.png", "-t of map_Kd (a.mtl) is not read"),
+        ("map_Kd -imfchan g a.png", "-imfchan of map_Kd (a.mtl) is not read"),
+        ("map_d -imfchan z a.png", "-imfchan of map_d (a.mtl) is not read"),
+        ("d 0.5\nmap_d a.png", "its d or Tr, 0.5, is not used"),
+        ("map_Kd a.png", "1 face of the material 'leaves' has no texture coordinates (vt)"),
+    ];
+    for (statement, words) in cases {
+        assert!(told(statement).contains(words), "{statement}: {}", told(statement));
+    }
+    for fine in
+        ["Kd 0.1 0.3 0.05 # green", "Kd 0.5", "d 0.5", "d -halo 0.5", "Kd 0 0 0\nmap_d -mm 0 1 -t 0 0 a.png"]
+    {
+        let told = told(fine);
+        assert!(!told.contains("expected") && !told.contains("is not read"), "{fine}: {told}");
+    }
+}
+
+#[test]
+fn colours_to_255_leave_alpha_as_it_is() {
+    let obj = |scale: f32| {
+        let c = 0.5 * scale;
+        let vertices = ["0 0 0", "1 0 0", "0 1 0"].map(|at| format!("v {at} {c} {scale} {c}\n")).concat();
+        format!("mtllib a.mtl\n{vertices}vt 0 0\nvt 1 0\nvt 0 1\nusemtl leaves\nf 1/1 2/2 3/3\n")
+    };
+    let image = png(|x| if x < 2 { 0 } else { 255 });
+    let mtl = b"newmtl leaves\nmap_Kd a.png\nmap_d a.png\n";
+    let left = |obj: &str| {
+        let mesh = read(&[("a.obj", obj.as_bytes()), ("a.mtl", mtl), ("a.png", &image)]).unwrap();
+        let coverage = [crate::alpha::Coverage::of(&mesh, 0).unwrap()];
+        let mut there = 0.0;
+        crate::color::on_surface(&mesh, &coverage, |_, _, area| there += area);
+        (there, mesh.colors)
+    };
+    let [ones, bytes, rounded] = [1.0, 255.0, 1.000_001].map(|scale| left(&obj(scale)));
+    assert!((ones.0 - 0.125).abs() < 0.01, "{}", ones.0);
+    assert_eq!(ones, bytes);
+    assert!((rounded.1[0][0] - ones.1[0][0]).abs() < 1e-5 && rounded.1[0][1] == 1.0, "{rounded:?}");
+}
+
+#[test]
+fn numbers_of_a_vertex_that_mean_nothing_here_are_told() {
+    for (numbers, words) in [
+        ("0.5", "the fourth number of v is not read: a weight"),
+        ("1 2", "the fourth and fifth number of v is not read"),
+        ("1 0 0 0.4", "the seventh number of v is not read"),
+    ] {
+        let mesh = read_text(&format!("v 0 0 0 {numbers}\nv 1 0 0\nv 0 1 0\nf 1 2 3\n")).unwrap();
+        assert!(mesh.warnings.iter().any(|warning| warning.contains(words)), "{:?}", mesh.warnings);
+    }
+    let mesh = read_text("v 0 0 0 1\nv 1 0 0 1 0 0 1\nv 0 1 0\nf 1 2 3\n").unwrap();
+    assert!(!mesh.warnings.iter().any(|warning| warning.contains("number of v")), "{:?}", mesh.warnings);
+}
+
+#[test]
+fn a_material_that_is_defined_twice_is_told_where_it_differs() {
+    let obj = format!("mtllib a.mtl b.mtl\n{TRIANGLE}usemtl leaves\nf 1 2 3\n");
+    let with = |second: &'static [u8]| {
+        read(&[("a.obj", obj.as_bytes()), ("a.mtl", b"newmtl leaves\nKd 0.1 0.2 0.1\n"), ("b.mtl", second)])
+            .unwrap()
+    };
+    let other = with(b"newmtl leaves\nKd 0.6 0.1 0.1\n");
+    assert_eq!(other.materials[0].base_color, [0.6, 0.1, 0.1, 1.0]);
+    assert!(other.warnings[0].contains("'leaves' is there several times"), "{:?}", other.warnings);
+    let same = with(b"newmtl leaves\nKd 0.1 0.2 0.1\n");
+    assert!(same.warnings.is_empty(), "{:?}", same.warnings);
+}
+
+#[test]
+fn several_material_files_on_a_line_may_have_blanks_in_their_names() {
+    for line in ["mtllib a b.mtl c.mtl d e f.mtl", "mtllib \"a b.mtl\" \"c.mtl\" \"d e f.mtl\""] {
+        let obj = format!("{line}\n{TRIANGLE}usemtl bark\nf 1 2 3\nv 0 0 1\nusemtl leaves\nf 1 2 4\n");
+        let mesh = read(&[
+            ("a.obj", obj.as_bytes()),
+            ("a b.mtl", b"newmtl bark\nKd 0.3 0.2 0.1\n"),
+            ("c.mtl", b"newmtl other\n"),
+            ("d e f.mtl", b"newmtl leaves\nKd 0.1 0.3 0.05\n"),
+        ])
+        .unwrap();
+        assert!(mesh.warnings.is_empty(), "{:?}", mesh.warnings);
+        assert_eq!([0, 1].map(|material| mesh.materials[material].base_color[0]), [0.3, 0.1]);
+    }
+}
+
+#[test]
+fn gloss_in_the_alpha_of_a_colour_takes_nothing_from_a_share() {
+    let obj = format!("mtllib a.mtl\n{TRIANGLE}vt 0 0\nvt 1 0\nvt 0 1\nusemtl leaves\nf 1/1 2/2 3/3\n");
+    let mtl = b"newmtl leaves\nd 0.5\nmap_Kd a.png\n";
+    let mesh =
+        read(&[("a.obj", obj.as_bytes()), ("a.mtl", mtl), ("a.png", &png(|x| 100 + 20 * x as u8))]).unwrap();
+    let coverage = [crate::alpha::Coverage::of(&mesh, 0).unwrap()];
+    let mut there = 0.0;
+    crate::color::on_surface(&mesh, &coverage, |_, _, area| there += area);
+    assert!((there / 0.5 - 0.5).abs() < 0.02, "{there}");
 }

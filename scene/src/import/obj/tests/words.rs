@@ -222,7 +222,7 @@ fn normals_and_texture_coordinates_that_are_no_numbers_are_missing_ones() {
 #[test]
 fn textures_lie_beside_the_mtl_or_beside_the_obj() {
     let (whole, cut) = (png(|_| 255), png(|x| if x < 2 { 0 } else { 255 }));
-    let obj = format!("mtllib mats/tree.mtl\n{TRIANGLE}usemtl m\nf 1 2 3\n");
+    let obj = format!("mtllib mats/tree.mtl\n{TRIANGLE}vt 0 0\nusemtl m\nf 1/1 2/1 3/1\n");
     let read = |map: &str, images: &[(&str, &[u8])]| {
         let mtl = format!("newmtl m\nmap_Kd {map}\n");
         let mut files = vec![("a.obj", obj.as_bytes()), ("mats/tree.mtl", mtl.as_bytes())];
