@@ -12,6 +12,9 @@
 //! The layout is private to a build: any change of it, or of what a stage computes, raises [`SCHEMA`]. The
 //! public format is `.flb`.
 
+use std::sync::Arc;
+
+use flb_format::field::CellBand;
 use flb_format::matter::Class;
 use flb_format::{Field, Grid, Medium};
 use rkyv::api::high::{HighDeserializer, HighSerializer, HighValidator};
@@ -32,7 +35,7 @@ pub use physical::LightArtefact;
 pub use physical::{StoredCrown, StoredLight, StoredReport};
 
 /// Version of the artefacts' layout and of what the stages compute. Part of every header and key.
-pub const SCHEMA: u32 = 13;
+pub const SCHEMA: u32 = 14;
 
 const MAGIC: [u8; 8] = *b"FLBSTAGE";
 /// Bytes before the payload; a multiple of 16, so that an aligned file has an aligned payload.
@@ -324,7 +327,11 @@ pub struct StoredField {
     base: u8,
     lattice: u32,
     bands: u32,
-    values: Vec<f32>,
+    /// Runs of sites, `[z][y][x]`, that share a value: where each ends, and the number of the value. Empty where sites
+    /// have values of their own.
+    runs: Vec<(u32, u32)>,
+    /// `[band]`, each with a value for each site, or for each number of the runs.
+    values: Vec<Vec<f32>>,
 }
 
 /// One base's field: the unit to cache where memory is short.
@@ -334,22 +341,77 @@ impl Artefact for BaseArtefact {
 
     fn store(&self) -> StoredField {
         let (base, field) = self;
-        StoredField { base: *base, lattice: field.lattice, bands: field.bands, values: field.values.clone() }
+        let Field { lattice, bands, .. } = *field;
+        let shared = field.cells().and_then(|of_bands| {
+            let cells = of_bands.first()?.cells();
+            of_bands.iter().all(|band| Arc::ptr_eq(band.cells(), cells)).then_some((cells, of_bands))
+        });
+        let (runs, values) = match shared {
+            Some((cells, of_bands)) => {
+                (runs(cells), of_bands.iter().map(|band| band.values().to_vec()).collect())
+            }
+            None => {
+                let sites = (lattice as usize).pow(3).max(1);
+                (Vec::new(), field.values().chunks(sites).map(<[f32]>::to_vec).collect())
+            }
+        };
+        StoredField { base: *base, lattice, bands, runs, values }
     }
 
     fn restore(stored: StoredField) -> Result<BaseArtefact, ArtefactError> {
-        let StoredField { base, lattice, bands, values } = stored;
+        let StoredField { base, lattice, bands, runs, values } = stored;
         let place = format!("base {base}");
         check_lattice(&place, lattice)?;
         if !(1..=MAX_BANDS).contains(&bands) {
             return fault(&place, format!("{bands} bands: expected 1 to {MAX_BANDS}"));
         }
-        check_length(&place, values.len(), (lattice as usize).pow(3) * bands as usize)?;
-        if let Some(at) = values.iter().position(|value| !value.is_finite()) {
-            return fault(&place, format!("value {at} is {}: expected a finite number", values[at]));
+        check_length(&place, values.len(), bands as usize)?;
+        let sites = (lattice as usize).pow(3);
+        for (band, values) in values.iter().enumerate() {
+            if let Some(at) = values.iter().position(|value| !value.is_finite()) {
+                let place = format!("{place}, band {band}");
+                return fault(&place, format!("value {at} is {}: expected a finite number", values[at]));
+            }
         }
-        Ok((base, Field { lattice, bands, values }))
+        if runs.is_empty() {
+            values.iter().try_for_each(|values| check_length(&place, values.len(), sites))?;
+            return Ok((base, Field::new(lattice, bands, values.concat())));
+        }
+        let cells = cells(&place, &runs, sites)?;
+        let most = runs.iter().map(|&(_, cell)| cell as usize + 1).max().unwrap_or(0);
+        values.iter().try_for_each(|values| match values.len() >= most {
+            true => Ok(()),
+            false => fault(&place, format!("{} values: expected at least {most}", values.len())),
+        })?;
+        let of_bands = values.into_iter().map(|values| CellBand::new(cells.clone(), values));
+        Ok((base, Field::of_cells(lattice, of_bands.collect())))
     }
+}
+
+/// Runs of sites with one number: where each ends, and the number.
+fn runs(cells: &[u32]) -> Vec<(u32, u32)> {
+    let mut runs: Vec<(u32, u32)> = Vec::new();
+    for (end, &cell) in (1..).zip(cells) {
+        match runs.last_mut().filter(|(_, last)| *last == cell) {
+            Some((last_end, _)) => *last_end = end,
+            None => runs.push((end, cell)),
+        }
+    }
+    runs
+}
+
+/// The number of each site.
+fn cells(place: &str, runs: &[(u32, u32)], sites: usize) -> Result<Arc<[u32]>, ArtefactError> {
+    let mut cells = Vec::with_capacity(sites);
+    for &(end, cell) in runs {
+        if end as usize <= cells.len() || end as usize > sites {
+            let expected = format!("{} to {sites}", cells.len() + 1);
+            return fault(place, format!("a run that ends at site {end}: expected {expected}"));
+        }
+        cells.resize(end as usize, cell);
+    }
+    check_length(place, cells.len(), sites)?;
+    Ok(cells.into())
 }
 
 /// All fields of a solution, bases ascending.

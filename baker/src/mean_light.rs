@@ -31,9 +31,10 @@ fn mean_light(
     let all: f64 = matter.iter().map(|(_, weight)| weight).sum();
     let mean = |field: &Field, factor: Option<&[f32]>| -> Vec<f64> {
         let of_band = |band: u32| {
-            let values = field.band(band);
             let part = |(place, (site, weight)): (usize, &(u32, f64))| {
-                weight * f64::from(values[*site as usize]) * factor.map_or(1.0, |f| f64::from(f[place]))
+                weight
+                    * f64::from(field.value(band, *site as usize))
+                    * factor.map_or(1.0, |f| f64::from(f[place]))
             };
             let sum: f64 = matter.iter().enumerate().map(part).sum();
             if all > 0.0 { sum / all } else { 0.0 }
@@ -128,10 +129,10 @@ mod tests {
         let at = |x: usize, y: usize, z: usize| (z * 16 + y) * 16 + x;
         // The dark site of the first block holds all of its matter; the second block is even.
         let first = (0..4).flat_map(|z| (0..4).flat_map(move |y| (0..4).map(move |x| at(x, y, z))));
-        first.for_each(|site| field.values[site] = 2.0);
-        field.values[at(1, 2, 3)] = 0.0;
+        first.for_each(|site| field.values_mut()[site] = 2.0);
+        field.values_mut()[at(1, 2, 3)] = 0.0;
         for site in (0..4).flat_map(|z| (0..4).flat_map(move |y| (12..16).map(move |x| at(x, y, z)))) {
-            field.values[site] = 1.0;
+            field.values_mut()[site] = 1.0;
         }
         let matter = [(at(1, 2, 3) as u32, 3.0), (at(13, 0, 0) as u32, 1.0)];
         let expected = (3.0 * 2.0 * 63.0 / 64.0 + 1.0) / 4.0;
@@ -156,7 +157,7 @@ mod tests {
             for band in 0..2 {
                 for (site, share) in sites.iter().zip([0.5, 1.0, 1.5]) {
                     let at = band as usize * 4096 + *site as usize;
-                    field.values[at] = value * share * (1.0 + band as f32);
+                    field.values_mut()[at] = value * share * (1.0 + band as f32);
                 }
             }
             (item, field)

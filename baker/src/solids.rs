@@ -101,8 +101,9 @@ impl Solids<'_> {
         far.par_iter_mut().for_each(|(column, field)| {
             let Some(column) = *column else { return };
             for band in 0..field.bands {
-                let values = fit.values(field.band(band), column, band as usize, &gathered);
-                spread.write(&values, field, band);
+                let received = |site| field.value(band, site);
+                let values = fit.values(received, column, band as usize, &gathered);
+                field.set_band(band, spread.band(&values));
             }
         });
         progress(1.0)?;

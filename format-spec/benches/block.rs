@@ -18,7 +18,7 @@ const POINTS: usize = 4096;
 fn main_field() -> Field {
     let mut field = Field::zeros(N, BANDS as u32);
     let n = N as usize;
-    for (i, value) in field.values.iter_mut().enumerate() {
+    for (i, value) in field.values_mut().iter_mut().enumerate() {
         let (x, y, z) = (i % n, i / n % n, i / n / n % n);
         let from_center = [x, y, z].map(|c| c as f32 - 31.5).iter().map(|c| c * c).sum::<f32>();
         let noise = (i.wrapping_mul(2_654_435_761) >> 7 & 255) as f32 / 255.0;

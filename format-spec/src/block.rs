@@ -43,11 +43,11 @@ pub fn gather(field: &Field, block: [u32; 3], texels: &mut [f32]) {
     assert_eq!(texels.len(), TEXELS * bands, "a block has 64 texels of {bands} bands");
     let [x, y, z] =
         block.map(|b| std::array::from_fn::<usize, EDGE, _>(|k| (b as usize * STRIDE + k).min(n - 1)));
-    for (band, values) in field.values.chunks_exact(n * n * n).enumerate() {
+    for band in 0..bands {
         for (row, target) in texels.chunks_exact_mut(EDGE * bands).enumerate() {
             let start = (z[row / EDGE] * n + y[row % EDGE]) * n;
             for k in 0..EDGE {
-                target[k * bands + band] = values[start + x[k]];
+                target[k * bands + band] = field.value(band as u32, start + x[k]);
             }
         }
     }
@@ -71,7 +71,7 @@ pub fn scatter(field: &mut Field, block: [u32; 3], texels: &[f32]) {
     let start = block.map(|b| b as usize * STRIDE);
     let own: [usize; 3] =
         std::array::from_fn(|axis| (if block[axis] == last { EDGE } else { STRIDE }).min(n - start[axis]));
-    for (band, values) in field.values.chunks_exact_mut(n * n * n).enumerate() {
+    for (band, values) in field.values_mut().chunks_exact_mut(n * n * n).enumerate() {
         for z in 0..own[2] {
             for y in 0..own[1] {
                 let row = ((start[2] + z) * n + start[1] + y) * n + start[0];

@@ -290,13 +290,13 @@ impl Container {
             room::ask(place, "a field", (count * size_of::<f32>()) as u64)?;
             return Ok(coded.field());
         }
-        let mut field = Field { lattice, bands, values: room::filled(place, "a field", 0.0, count)? };
+        let mut field = Field::new(lattice, bands, room::filled(place, "a field", 0.0, count)?);
         for page in 0..self.tables[entry.section].len() as u32 {
             match entry.codec {
                 Codec::RawF32 | Codec::RawF16 => {
                     let values = self.read_value_page(source, entry.section, page)?;
                     let first = self.tables[entry.section][page as usize].first as usize;
-                    field.values[first..][..values.len()].copy_from_slice(&values);
+                    field.values_mut()[first..][..values.len()].copy_from_slice(&values);
                 }
                 Codec::HaarPaper => {
                     expand_blocks(&self.read_block_page(source, entry.section, page)?, &mut field);
@@ -306,8 +306,8 @@ impl Container {
         }
         if let Some(chosen) = self.chosen_bands(species).filter(|_| entry.codec != Codec::HaarPaper) {
             let mut values = room::empty(place, "a field", sites * chosen.len())?;
-            chosen.iter().for_each(|&band| values.extend_from_slice(field.band(band as u32)));
-            field = Field { lattice, bands: chosen.len() as u32, values };
+            chosen.iter().for_each(|&band| values.extend_from_slice(&field.band(band as u32)));
+            field = Field::new(lattice, chosen.len() as u32, values);
         }
         Ok(field)
     }

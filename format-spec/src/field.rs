@@ -1,5 +1,8 @@
 //! Where sites are ([`Grid`]) and the light that a solve leaves at them ([`Field`]).
 
+use std::borrow::Cow;
+use std::sync::Arc;
+
 use serde::{Deserialize, Serialize};
 
 /// A cubic lattice placed in model space (glTF's: right-handed, +Y up, metres).
@@ -92,26 +95,187 @@ pub fn site_of(index: usize, lattice: u32) -> [u32; 3] {
 
 /// phi of one base: light passing through each site, per band; 1 = the light that enters along the
 /// base's direction (18 for the ambient base).
-#[derive(Debug, Clone, PartialEq)]
+///
+/// Fields of a `physical` bake have one value for each site with matter, and one for each cube of empty sites that
+/// takes the mean of the matter near it. They are held so ([`CellBand`]): a whole array of an oak takes 14 times as
+/// much memory.
+#[derive(Debug, Clone)]
 pub struct Field {
     /// Sites per edge, N.
     pub lattice: u32,
     /// Number of bands.
     pub bands: u32,
-    /// Values of the field, `[band][z][y][x]`, x fastest.
-    pub values: Vec<f32>,
+    values: Values,
+}
+
+#[derive(Debug, Clone)]
+enum Values {
+    /// `[band][z][y][x]`, x fastest.
+    Whole(Vec<f32>),
+    /// One per band.
+    Cells(Vec<CellBand>),
+}
+
+/// One band of a field in which many sites share a value.
+#[derive(Debug, Clone)]
+pub struct CellBand {
+    /// `[z][y][x]`: which of the values a site has. Bands and fields share it.
+    cells: Arc<[u32]>,
+    values: Vec<f32>,
+}
+
+impl CellBand {
+    /// Values, and for each site, `[z][y][x]`, which of them it has.
+    ///
+    /// # Panics
+    /// If a site has none of the values.
+    pub fn new(cells: Arc<[u32]>, values: Vec<f32>) -> CellBand {
+        let largest = cells.iter().max();
+        assert!(largest.is_none_or(|&cell| (cell as usize) < values.len()), "a site has no value");
+        CellBand { cells, values }
+    }
+
+    /// Numbers of the values that sites have, `[z][y][x]`.
+    pub fn cells(&self) -> &Arc<[u32]> {
+        &self.cells
+    }
+
+    /// The values, each once.
+    pub fn values(&self) -> &[f32] {
+        &self.values
+    }
+
+    fn of_sites(&self) -> impl Iterator<Item = f32> {
+        self.cells.iter().map(|&cell| self.values[cell as usize])
+    }
 }
 
 impl Field {
     /// A field of zeros.
     pub fn zeros(lattice: u32, bands: u32) -> Field {
-        Field { lattice, bands, values: vec![0.0; (lattice as usize).pow(3) * bands as usize] }
+        Field::new(lattice, bands, vec![0.0; (lattice as usize).pow(3) * bands as usize])
+    }
+
+    /// A field of values `[band][z][y][x]`, x fastest.
+    pub fn new(lattice: u32, bands: u32, values: Vec<f32>) -> Field {
+        Field { lattice, bands, values: Values::Whole(values) }
+    }
+
+    /// A field of bands in which many sites share a value.
+    pub fn of_cells(lattice: u32, bands: Vec<CellBand>) -> Field {
+        Field { lattice, bands: bands.len() as u32, values: Values::Cells(bands) }
+    }
+
+    fn sites(&self) -> usize {
+        (self.lattice as usize).pow(3)
+    }
+
+    /// Number of values: sites times bands, if the field has the shape that it states.
+    pub fn len(&self) -> usize {
+        match &self.values {
+            Values::Whole(values) => values.len(),
+            Values::Cells(bands) => bands.iter().map(|band| band.cells.len()).sum(),
+        }
+    }
+
+    /// Whether there are no values.
+    pub fn is_empty(&self) -> bool {
+        self.len() == 0
+    }
+
+    /// The values, `[band][z][y][x]`, x fastest.
+    pub fn values(&self) -> Cow<'_, [f32]> {
+        match &self.values {
+            Values::Whole(values) => Cow::Borrowed(values),
+            Values::Cells(bands) => bands.iter().flat_map(CellBand::of_sites).collect(),
+        }
+    }
+
+    /// The values for writing, `[band][z][y][x]`, x fastest: the field is a whole array from now on.
+    pub fn values_mut(&mut self) -> &mut [f32] {
+        if let Values::Cells(bands) = &self.values {
+            self.values = Values::Whole(bands.iter().flat_map(CellBand::of_sites).collect());
+        }
+        match &mut self.values {
+            Values::Whole(values) => values,
+            Values::Cells(_) => unreachable!("it was made whole"),
+        }
     }
 
     /// The values of one band, `[z][y][x]`.
-    pub fn band(&self, band: u32) -> &[f32] {
-        let sites = (self.lattice as usize).pow(3);
-        &self.values[band as usize * sites..][..sites]
+    pub fn band(&self, band: u32) -> Cow<'_, [f32]> {
+        match &self.values {
+            Values::Whole(values) => Cow::Borrowed(&values[band as usize * self.sites()..][..self.sites()]),
+            Values::Cells(bands) => bands[band as usize].of_sites().collect(),
+        }
+    }
+
+    /// The value of a site, given by its index in `[z][y][x]`.
+    #[inline]
+    pub fn value(&self, band: u32, site: usize) -> f32 {
+        match &self.values {
+            Values::Whole(values) => values[band as usize * self.sites() + site],
+            Values::Cells(bands) => {
+                let CellBand { cells, values } = &bands[band as usize];
+                values[cells[site] as usize]
+            }
+        }
+    }
+
+    /// Band and site of the first value that `is` holds for.
+    pub fn position(&self, is: impl Fn(&f32) -> bool) -> Option<(u32, usize)> {
+        let of_band = |band: u32| match &self.values {
+            // Most bands have no such value, and each cell is one of some site.
+            Values::Cells(bands) if !bands[band as usize].values.iter().any(&is) => None,
+            _ => Some((band, self.band(band).iter().position(&is)?)),
+        };
+        (0..self.bands).find_map(of_band)
+    }
+
+    /// The values of so many sites along x, from the index of the first in `[z][y][x]`.
+    #[inline]
+    pub fn row<const LENGTH: usize>(&self, band: u32, first: usize) -> [f32; LENGTH] {
+        match &self.values {
+            Values::Whole(values) => {
+                let values = &values[band as usize * self.sites() + first..][..LENGTH];
+                std::array::from_fn(|x| values[x])
+            }
+            Values::Cells(bands) => {
+                let CellBand { cells, values } = &bands[band as usize];
+                let cells = &cells[first..][..LENGTH];
+                std::array::from_fn(|x| values[cells[x] as usize])
+            }
+        }
+    }
+
+    /// Bands in which many sites share a value, if the field is held so.
+    pub fn cells(&self) -> Option<&[CellBand]> {
+        match &self.values {
+            Values::Whole(_) => None,
+            Values::Cells(bands) => Some(bands),
+        }
+    }
+
+    /// Writes a band anew.
+    ///
+    /// # Panics
+    /// If the field has no such band, or the band another number of sites.
+    pub fn set_band(&mut self, band: u32, of_band: CellBand) {
+        let sites = self.sites();
+        assert_eq!(of_band.cells.len(), sites, "a band has one value a site");
+        match &mut self.values {
+            Values::Whole(values) => {
+                let values = values[band as usize * sites..][..sites].iter_mut();
+                values.zip(of_band.of_sites()).for_each(|(value, of_site)| *value = of_site);
+            }
+            Values::Cells(bands) => bands[band as usize] = of_band,
+        }
+    }
+}
+
+impl PartialEq for Field {
+    fn eq(&self, other: &Field) -> bool {
+        self.lattice == other.lattice && self.bands == other.bands && self.values() == other.values()
     }
 }
 
@@ -120,6 +284,38 @@ mod tests {
     use super::*;
 
     const GRID: Grid = Grid { lattice: 16, origin_m: [-0.8, 0.1, 2.0], spacing_m: 0.3 };
+
+    #[test]
+    fn a_field_of_cells_reads_as_the_whole_array_and_becomes_it_where_it_is_written() {
+        let cells: Arc<[u32]> = (0..16_u32.pow(3)).map(|site| site / 5 % 7).collect();
+        let of_band = |factor: f32| -> Vec<f32> { (0..7).map(|cell| factor * cell as f32).collect() };
+        let band = |factor| CellBand::new(cells.clone(), of_band(factor));
+        let mut shared = Field::of_cells(16, vec![band(1.0), band(-2.0)]);
+        let values: Vec<f32> = [1.0, -2.0]
+            .iter()
+            .flat_map(|factor| cells.iter().map(move |&cell| factor * cell as f32))
+            .collect();
+        let mut whole = Field::new(16, 2, values.clone());
+        assert_eq!(*shared.values(), values);
+        assert_eq!((shared.len(), &shared), (values.len(), &whole));
+        for field in [&shared, &whole] {
+            assert_eq!(*field.band(1), values[4096..]);
+            assert_eq!(field.value(1, 33), values[4096 + 33]);
+            assert_eq!(field.row::<4>(0, 17), values[17..21]);
+            assert_eq!(field.position(|value| *value == -12.0), Some((1, 30)));
+            assert_eq!(field.position(|value| *value > 6.0), None);
+        }
+        for field in [&mut shared, &mut whole] {
+            field.set_band(0, band(3.0));
+        }
+        assert_eq!(shared, whole);
+        assert!(shared.cells().is_some());
+        shared.values_mut()[7] = 99.0;
+        assert_ne!(shared, whole);
+        whole.values_mut()[7] = 99.0;
+        assert_eq!(shared, whole);
+        assert!(shared.cells().is_none());
+    }
 
     #[test]
     fn the_site_of_an_index_has_that_index() {

@@ -31,7 +31,7 @@ mod daylight;
 pub mod direction;
 pub mod error;
 pub mod eye;
-mod field;
+pub mod field;
 mod haar;
 pub mod light;
 pub mod material_surface;

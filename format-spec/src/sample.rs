@@ -73,10 +73,13 @@ pub fn trilinear(field: &Field, point: [f64; 3], out: &mut [f32]) {
         t[axis] = (x - texel[axis] as f64) as f32;
     }
     let first = (texel[2] * n + texel[1]) * n + texel[0];
-    for (band, values) in field.values.chunks_exact(n * n * n).enumerate() {
-        let along_x = |start: usize| lerp(values[start], values[start + 1], t[0]);
+    for (band, out) in (0..field.bands).zip(out) {
+        let along_x = |start: usize| {
+            let [low, high] = field.row(band, start);
+            lerp(low, high, t[0])
+        };
         let along_y = |start: usize| lerp(along_x(start), along_x(start + n), t[1]);
-        out[band] = lerp(along_y(first), along_y(first + n * n), t[2]);
+        *out = lerp(along_y(first), along_y(first + n * n), t[2]);
     }
 }
 

@@ -241,8 +241,8 @@ fn empty_sites(a: &Medium, b: &Medium) -> Vec<usize> {
 }
 
 fn blank(field: &mut Field, sites: &[usize]) {
-    let all = field.values.len() / field.bands as usize;
-    for band in field.values.chunks_exact_mut(all) {
+    let all = field.len() / field.bands as usize;
+    for band in field.values_mut().chunks_exact_mut(all) {
         sites.iter().for_each(|site| band[*site] = 0.0);
     }
 }
@@ -283,7 +283,7 @@ fn compare_base(
     (a_storage, b_storage): (Storage, Storage),
     tolerance: Option<f64>,
 ) -> BaseDiff {
-    let values = compare_values(&a.values, &b.values, a.lattice);
+    let values = compare_values(&a.values(), &b.values(), a.lattice);
     BaseDiff {
         base,
         equal: values.passes(tolerance),

@@ -7,6 +7,7 @@
 //! In pictures (PNG, EXR) x runs to the right and y upwards, so a plant stands upright: pixel row `r` of a
 //! slice is `y = N - 1 - r`. All three return the file's bytes; they are the same on every machine.
 
+use std::borrow::Cow;
 use std::io::Cursor;
 
 use exr::image::write::WritableImage;
@@ -131,11 +132,12 @@ pub fn volume_exr(volume: &Volume) -> Result<Vec<u8>, InspectError> {
 /// `[band][z][y][x]`, the density `[z][y][x]`, the extinction `[leaf, wood][z][y][x]`.
 pub fn volume_npy(volume: &Volume) -> Vec<u8> {
     let n = volume.lattice();
-    let (shape, parts): (String, Vec<&[f32]>) = match volume {
-        Volume::Base { field, .. } => (format!("{}, {n}, {n}, {n}", field.bands), vec![&field.values]),
-        Volume::Density(medium) => (format!("{n}, {n}, {n}"), vec![&medium.density]),
+    let (shape, parts): (String, Vec<Cow<[f32]>>) = match volume {
+        Volume::Base { field, .. } => (format!("{}, {n}, {n}, {n}", field.bands), vec![field.values()]),
+        Volume::Density(medium) => (format!("{n}, {n}, {n}"), vec![medium.density.as_slice().into()]),
         Volume::Extinction(turbid) => {
-            (format!("2, {n}, {n}, {n}"), vec![&turbid.leaf_per_m, &turbid.wood_per_m])
+            let parts = [&turbid.leaf_per_m, &turbid.wood_per_m];
+            (format!("2, {n}, {n}, {n}"), parts.map(|part| part.as_slice().into()).to_vec())
         }
     };
     // Version 1.0 of NumPy's format (NEP 1): a dictionary of Python, filled up to 64 bytes with spaces and a newline.
@@ -147,7 +149,7 @@ pub fn volume_npy(volume: &Volume) -> Vec<u8> {
     bytes.extend(dictionary.as_bytes());
     bytes.resize(header - 1, b' ');
     bytes.push(b'\n');
-    bytes.extend(parts.into_iter().flatten().flat_map(|value| value.to_le_bytes()));
+    bytes.extend(parts.iter().flat_map(|part| part.iter()).flat_map(|value| value.to_le_bytes()));
     bytes
 }
 
@@ -158,7 +160,7 @@ const NPY_MAGIC: &[u8] = b"\x93NUMPY\x01\x00";
 fn largest(volume: &Volume) -> f32 {
     let of = |values: &[f32]| values.iter().fold(0.0f32, |l, v| l.max(*v));
     let largest = match volume {
-        Volume::Base { field, .. } => of(&field.values),
+        Volume::Base { field, .. } => of(&field.values()),
         Volume::Density(medium) => of(&medium.density),
         Volume::Extinction(turbid) => {
             (0..turbid.leaf_per_m.len()).fold(0.0, |l, site| turbid.extinction(site).max(l))
@@ -172,9 +174,9 @@ fn color(volume: &Volume, site: usize) -> [f32; 3] {
     match volume {
         Volume::Base { field, .. } => {
             match field.bands {
-                1 => [field.values[site]; 3],
+                1 => [field.value(0, site); 3],
                 bands => std::array::from_fn(|band| {
-                    if (band as u32) < bands { field.band(band as u32)[site] } else { 0.0 }
+                    if (band as u32) < bands { field.value(band as u32, site) } else { 0.0 }
                 }),
             }
         }

@@ -252,8 +252,7 @@ fn check_settings(settings: &EncodeSettings) -> Result<(), PackError> {
 fn unit_of_light(fields: &SpeciesFields, points: &[u32]) -> f32 {
     let Some((_, light)) = fields.meta.physical() else { return 1.0 };
     let mean_of = |field: &Field, band: u32| {
-        let values = field.band(band);
-        let sum: f64 = points.iter().map(|&site| f64::from(values[site as usize])).sum();
+        let sum: f64 = points.iter().map(|&site| f64::from(field.value(band, site as usize))).sum();
         sum / points.len().max(1) as f64
     };
     let counted = |base: u8| match light.suns {
@@ -375,8 +374,8 @@ fn encode_base(
             quality::SurfaceError::exact(points, field),
         ),
         Codec::RawF16 => {
-            let values = field.values.iter().map(|value| payload::rounded_f16(*value)).collect();
-            let rounded = Field { values, ..*field };
+            let values = field.values().iter().map(|value| payload::rounded_f16(*value)).collect();
+            let rounded = Field::new(field.lattice, field.bands, values);
             let error = quality::SurfaceError::of_texels(points, field, &rounded);
             (raw_pages(&rounded, empty_value, 2, payload::encode_raw_f16, settings), error)
         }
@@ -400,7 +399,7 @@ fn encode_base(
         ..section(KIND_BASE, base.into(), settings.codec.number(), settings, pages)
     };
     let coded_bytes = coded.pages.iter().map(|page| page.stored.len() as u64).sum();
-    let report = quality::BaseReport::new(base, field.values.len() as u64 * 4, coded_bytes, error);
+    let report = quality::BaseReport::new(base, field.len() as u64 * 4, coded_bytes, error);
     (coded, report)
 }
 
@@ -418,7 +417,7 @@ fn raw_pages(
         let priority = priority::of_values(values, empty_value);
         EncodedPage { priority, ..store(values.len() as u32, bytes, settings.compress) }
     };
-    field.values.chunks(settings.page_bytes as usize / value_bytes).map(page).collect()
+    field.values().chunks(settings.page_bytes as usize / value_bytes).map(page).collect()
 }
 
 /// As many blocks per page as fit, in `[z][y][x]` order.

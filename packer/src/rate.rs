@@ -259,17 +259,17 @@ fn check(
         let bands = field.bands;
         let shaped =
             field.lattice == lattice && (1..=flb_format::container::records::MAX_BANDS).contains(&bands);
-        if !shaped || field.values.len() != count * bands as usize {
-            let found = format!("base {base} of {bands} bands and {} values", field.values.len());
+        if !shaped || field.len() != count * bands as usize {
+            let found = format!("base {base} of {bands} bands and {} values", field.len());
             return setting("a field", found, "1 to 64 bands of N^3 values");
         }
-        if let Some(i) = field.values.iter().position(|v| !fits(v)) {
+        if let Some((band, site)) = field.position(|v| !fits(v)) {
             return Err(PackError::FieldValue {
                 species: String::new(),
                 base: *base,
-                band: (i / count) as u32,
-                site: i % count,
-                found: field.values[i],
+                band,
+                site,
+                found: field.value(band, site),
                 most: "2^96",
             });
         }

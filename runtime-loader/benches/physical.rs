@@ -79,7 +79,7 @@ fn library(lattice: u32, single: bool) -> Library {
     let n = lattice as usize;
     let field = |base: u8| {
         let mut field = Field::zeros(lattice, 3);
-        for (i, value) in field.values.iter_mut().enumerate() {
+        for (i, value) in field.values_mut().iter_mut().enumerate() {
             let noise = (i.wrapping_mul(2_654_435_761) >> 7 & 255) as f32 / 255.0;
             let height = (i / n % n) as f32 / n as f32;
             *value = if medium.density[i % (n * n * n)] > 0.0 { height * (0.5 + 0.1 * noise) } else { 0.3 }

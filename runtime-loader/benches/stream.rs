@@ -121,7 +121,7 @@ fn opening() {
         plant.bases = (0..bases)
             .map(|base| {
                 // No page like another, which would be stored once.
-                for (i, value) in field.values.iter_mut().enumerate() {
+                for (i, value) in field.values_mut().iter_mut().enumerate() {
                     *value = plants::noise(i as u32, u32::from(base));
                 }
                 (base, field.clone())

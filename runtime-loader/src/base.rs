@@ -166,7 +166,7 @@ pub(crate) fn read_base(
         let section = &container.sections()[entry.section];
         let place = Place::section(section.data_offset, section.key);
         let field = container.read_field(source, species, base)?;
-        let texels = room::filled(place, "a field", 0.0, field.values.len())?;
+        let texels = room::filled(place, "a field", 0.0, field.len())?;
         return Ok(Base::Texels(interleaved(&field, texels)));
     }
     let bands = container.species()[species].meta.band_count();

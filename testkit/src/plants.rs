@@ -63,7 +63,7 @@ fn field(lattice: u32, base: u8, seed: u32) -> Field {
     let mut field = Field::zeros(lattice, BANDS as u32);
     let n = lattice as usize;
     let outside = if base == 0 { 9.0 } else { 0.5 };
-    for (i, value) in field.values.iter_mut().enumerate() {
+    for (i, value) in field.values_mut().iter_mut().enumerate() {
         let wave = [i % n, i / n % n, i / (n * n) % n].map(|c| c as f32 / n as f32);
         let slow = wave[0] * (1.0 - wave[1]) + wave[2] * f32::from(base % 5) * 0.1;
         *value = outside * (0.4 + slow + 0.3 * noise(i as u32, seed + 1 + u32::from(base)));

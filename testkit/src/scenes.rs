@@ -112,9 +112,8 @@ pub fn scene_light(species: &[&str], suns: &SunBasis) -> Library {
             surfaces.bands[0].name = LUMINANCE.to_owned();
         }
         entry.bases.iter_mut().for_each(|(_, base)| {
-            base.bands = 1;
-            base.values.truncate(grid.sites());
-            base.values.iter_mut().for_each(|value| *value *= factor);
+            *base = Field::new(base.lattice, 1, base.band(0).into_owned());
+            base.values_mut().iter_mut().for_each(|value| *value *= factor);
         });
         entry
     };
@@ -171,7 +170,7 @@ fn field(lattice: u32, base: u8, seed: u32) -> Field {
     let mut field = Field::zeros(lattice, 3);
     let sites = (lattice as usize).pow(3);
     let outside = if base == 0 { 9.0 } else { 0.5 };
-    for (i, value) in field.values.iter_mut().enumerate() {
+    for (i, value) in field.values_mut().iter_mut().enumerate() {
         let wave = site_of(i % sites, lattice).map(|c| c as f32 / lattice as f32);
         let slow = wave[0] * (1.0 - wave[1]) + wave[2] * f32::from(base % 5) * 0.1;
         *value = outside * (0.4 + slow + 0.1 * noise(i as u32, seed + 1 + u32::from(base)));

@@ -167,9 +167,9 @@ pub fn medium(medium: &Medium) -> String {
 /// A line per base: mean, root mean square and maximum over all sites and bands, sweeps, digest.
 pub fn fields(solution: &Solution) -> String {
     let line = |(base, field): &(u8, Field)| {
-        let count = field.values.len() as f64;
+        let count = field.len() as f64;
         let (mut sum, mut squares, mut max) = (0.0f64, 0.0f64, 0.0f32);
-        for value in &field.values {
+        for value in field.values().iter() {
             sum += f64::from(*value);
             squares += f64::from(*value) * f64::from(*value);
             max = max.max(*value);
@@ -179,7 +179,7 @@ pub fn fields(solution: &Solution) -> String {
             "  {base:2}: mean {:.6} rms {:.6} max {max:.6} sweeps {sweeps} {}\n",
             sum / count,
             (squares / count).sqrt(),
-            digest_of_floats(&field.values)
+            digest_of_floats(&field.values())
         )
     };
     let head = if solution.reports.iter().all(|r| r.converged) { "converged" } else { "NOT converged" };
@@ -288,16 +288,16 @@ pub fn physical_fields(fields: &SpeciesFields) -> String {
         error.solver
     );
     for (item, field) in &fields.bases {
-        let count = field.values.len() as f64;
-        let sum: f64 = field.values.iter().map(|value| f64::from(*value)).sum();
-        let squares: f64 = field.values.iter().map(|value| f64::from(*value) * f64::from(*value)).sum();
-        let largest = field.values.iter().fold(0.0f32, |largest, value| largest.max(value.abs()));
+        let count = field.len() as f64;
+        let sum: f64 = field.values().iter().map(|value| f64::from(*value)).sum();
+        let squares: f64 = field.values().iter().map(|value| f64::from(*value) * f64::from(*value)).sum();
+        let largest = field.values().iter().fold(0.0f32, |largest, value| largest.max(value.abs()));
         let _ = writeln!(
             text,
             "  {item:2}: mean {:.6} rms {:.6} largest {largest:.6} {}",
             sum / count,
             (squares / count).sqrt(),
-            digest_of_floats(&field.values)
+            digest_of_floats(&field.values())
         );
     }
     text

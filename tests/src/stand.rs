@@ -282,8 +282,8 @@ pub fn light_at_sites(turbid: &TurbidMedium, surfaces: &BandSurfaces, sun: [f64;
     };
     let solution =
         ordinates::solve(turbid, &[scatter(surfaces)], &settings, &|_| Ok(())).expect("a good medium");
-    let [sky, of_sun] = [0, 1].map(|item: usize| &solution.fields[item].1.values);
-    of_sun.iter().zip(sky).map(|(sun, sky)| [*sun, *sky]).collect()
+    let [sky, of_sun] = [0, 1].map(|item: usize| solution.fields[item].1.values());
+    of_sun.iter().zip(sky.iter()).map(|(sun, sky)| [*sun, *sky]).collect()
 }
 
 /// Four suns, the first of which is this one.

@@ -205,9 +205,9 @@ fn sum(medium: &Medium, bands: u32, fields: &[(u8, Field)]) -> Field {
     use rayon::prelude::*;
     let mut total = Field::zeros(medium.grid.lattice, bands);
     let part = medium.grid.sites() / medium.grid.lattice as usize;
-    total.values.par_chunks_mut(part).enumerate().for_each(|(at, values)| {
+    total.values_mut().par_chunks_mut(part).enumerate().for_each(|(at, values)| {
         for (_, field) in fields {
-            for (sum, value) in values.iter_mut().zip(&field.values[at * part..]) {
+            for (sum, value) in values.iter_mut().zip(&field.values()[at * part..]) {
                 *sum += value;
             }
         }

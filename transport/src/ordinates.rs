@@ -19,6 +19,7 @@
 //!
 //! For the last two, a few suns are solved and held out: they tell what the fit or the blend is off.
 
+mod alike;
 mod band;
 mod error;
 mod first;
@@ -55,12 +56,14 @@ use flb_format::Field;
 use flb_format::bases::BaseSet;
 use flb_format::beam::single::OrdinateTracks;
 use flb_format::beam::{self, BEAM_RAYS, Beam, Near, NearBeam, Sites};
+use flb_format::field::CellBand;
 use flb_format::matter::TurbidMedium;
 use flb_format::progress::Progress;
 use flb_format::sun::{SunBlend, harmonics};
 use rayon::prelude::*;
 
 use crate::turbid::BandScatter;
+use alike::AlikeBands;
 use band::{Band, Own};
 use lanes::LANES;
 use march::March;
@@ -247,7 +250,7 @@ pub fn solve_among(
     progress(0.2)?;
 
     let items = settings.items();
-    let mut fields: Vec<Field> = Vec::new();
+    let mut fields: Vec<Vec<CellBand>> = vec![Vec::new(); items.len()];
     let mut reports = Vec::new();
     let far = |item: &u8| settings.suns.first_near_item().is_none_or(|near| *item < near);
     let mut total = TotalLight {
@@ -257,47 +260,77 @@ pub fn solve_among(
         open_sky: Vec::new(),
     };
     let spread = Spread::new(&sites, medium.grid.lattice);
-    for (at, some) in bands.chunks(BANDS_AT_ONCE).enumerate() {
-        let made = |share: f64| {
-            let before = (at * BANDS_AT_ONCE) as f64;
-            progress(0.2 + 0.8 * (before + share * some.len() as f64) / bands.len() as f64)
-        };
-        let band = |(band, scatter): (usize, &BandScatter)| {
-            let albedos = albedos.map(|albedos| of_parts(&albedos[band], refined.as_ref()));
-            let transmitted = transmitted.map(|transmitted| of_parts(&transmitted[band], refined.as_ref()));
-            let own = Own { albedos: albedos.as_deref(), transmitted: transmitted.as_deref() };
-            Band::new(fine, fine_sites, scatter, &own)
-        };
-        let some: Vec<Band> = (at * BANDS_AT_ONCE..).zip(some).map(band).collect();
-        let mut lit = {
-            let march = march.as_ref().expect("it goes after the last bands");
-            let (plan, beams, open_sky) = (&plan, marched.as_slice(), open_sky.as_deref());
-            let scattering =
-                Scattering { march, plan, beams, below, open_sky, settings, may_be_smooth: true };
-            scattering.scatter(&some, &made)?
-        };
-        // The rays take as much memory as the fields.
-        march = march.filter(|_| (at + 1) * BANDS_AT_ONCE < bands.len());
-        if fields.is_empty() {
-            let zeros = |_: &u8| Field::zeros(medium.grid.lattice, bands.len() as u32);
-            fields = items.par_iter().map(zeros).collect();
-        }
+    let band = |number: usize| {
+        let albedos = albedos.map(|albedos| of_parts(&albedos[number], refined.as_ref()));
+        let transmitted = transmitted.map(|transmitted| of_parts(&transmitted[number], refined.as_ref()));
+        let own = Own { albedos: albedos.as_deref(), transmitted: transmitted.as_deref() };
+        Band::new(fine, fine_sites, &bands[number], &own)
+    };
+    let scatter = |scattering: &Scattering, some: &[Band], made: &Progress<'_>| {
+        let mut lit = scattering.scatter(some, made)?;
         lit.iter_mut().for_each(|lit| {
             lit.light.par_iter_mut().for_each(|light| *light = mean_of(std::mem::take(light)))
         });
+        Ok(lit)
+    };
+    let (marched, lit_sky) = (marched.as_slice(), open_sky.as_deref());
+    let mut alike = match march.as_ref().filter(|_| bands.len() >= alike::MIN_BANDS && plan.held_out() > 0) {
+        None => None,
+        Some(march) => {
+            let held_out = beams[plan.fitted()..].iter().map(|near| near.beam.mean.as_slice());
+            let direct: Vec<&[f32]> = held_out.chain(sky.as_deref()).collect();
+            let size = [bands.len(), BANDS_AT_ONCE];
+            let made = |share: f64| progress(0.2 + 0.7 * share);
+            let whole = Scattering {
+                march,
+                plan: &plan,
+                beams: marched,
+                below,
+                open_sky: lit_sky,
+                settings,
+                may_be_smooth: true,
+            };
+            Some(AlikeBands::solve(&whole, &direct, &band, size, &scatter, &made)?)
+        }
+    };
+    // The rays take as much memory as all the rest.
+    march = march.filter(|_| alike.is_none());
+    let begun = if alike.is_some() { 0.9 } else { 0.2 };
+    for first in (0..bands.len()).step_by(BANDS_AT_ONCE) {
+        let some = first..(first + BANDS_AT_ONCE).min(bands.len());
+        let made = |share: f64| {
+            let done = first as f64 + share * some.len() as f64;
+            progress(begun + (1.0 - begun) * done / bands.len() as f64)
+        };
+        let lit = match &mut alike {
+            Some(alike) => some.clone().map(|number| alike.take(number)).collect(),
+            None => {
+                let march = march.as_ref().expect("it goes after the last bands");
+                let whole = Scattering {
+                    march,
+                    plan: &plan,
+                    beams: marched,
+                    below,
+                    open_sky: lit_sky,
+                    settings,
+                    may_be_smooth: true,
+                };
+                scatter(&whole, &some.clone().map(band).collect::<Vec<_>>(), &made)?
+            }
+        };
+        march = march.filter(|_| some.end < bands.len());
         let fits = fits_of(&lit, &plan, &beams, settings);
-        for ((band, lit), fit) in (at * BANDS_AT_ONCE..).zip(lit).zip(fits) {
+        for ((band, lit), fit) in some.zip(lit).zip(fits) {
             total.values.push(total::of_light(&lit, &plan, &beams, sky.as_deref(), settings));
             let (values, report) = fields_of(band as u32, lit, fit, &plan, &beams, sky.as_deref(), settings);
             reports.push(report);
-            fields.par_iter_mut().zip(values).for_each(|(field, values)| {
-                spread.write(&values, field, band as u32);
-            });
+            fields.par_iter_mut().zip(values).for_each(|(field, values)| field.push(spread.band(&values)));
         }
     }
     total.open_sky = sky.unwrap_or_default();
     progress(1.0)?;
-    let fields = items.into_iter().zip(fields).collect();
+    let field = |bands| Field::of_cells(medium.grid.lattice, bands);
+    let fields = items.into_iter().zip(fields.into_iter().map(field)).collect();
     Ok(OrdinatesSolution { fields, reports, held_out: plan.held_out() as u32, total })
 }
 
@@ -355,8 +388,7 @@ fn fields_of(
     sky: Option<&[f32]>,
     settings: &OrdinatesSettings,
 ) -> (Vec<Vec<f32>>, BandReport) {
-    let Lit { mut light, passes, error_estimate } = lit;
-    let solves = light.len() as u32;
+    let Lit { mut light, solved: solves, passes, error_estimate } = lit;
     let mut fields = Vec::new();
     if let Some(sky) = sky {
         let scattered = light.pop().expect("the sky is solved last");
@@ -415,8 +447,7 @@ impl OrdinatesSolution {
         near: &NearBeam,
     ) -> Vec<f32> {
         let at_sites = |field: &Field| -> Vec<f32> {
-            let values = field.band(band);
-            sites.iter().map(|&site| values[site as usize]).collect()
+            sites.iter().map(|&site| field.value(band, site as usize)).collect()
         };
         match suns {
             SunBasis::Lattice18 | SunBasis::Directions(_) => {

@@ -34,7 +34,7 @@ pub(crate) fn print(lattice: u32) {
             .map(|sweeps| sweeps.expect("18 bases"));
         let estimate = solved().map(|report| report.error_estimate).fold(0.0, f64::max);
         let far = exact.iter().fold(SolveDistance::default(), |far, exact| {
-            let found = exact.distance(&medium, solution.bases[usize::from(exact.base)].1.band(exact.band));
+            let found = exact.distance(&medium, &solution.bases[usize::from(exact.base)].1.band(exact.band));
             SolveDistance {
                 relative_l2: far.relative_l2.max(found.relative_l2),
                 worst_site: far.worst_site.max(found.worst_site),

@@ -32,7 +32,7 @@ pub(crate) fn print(lattice: u32) {
     let explicit = find(&medium, &one_band, SolverKind::Explicit, some, |solution| {
         let of = |exact: &Reference| {
             let field = solution.bases.iter().find(|(base, _)| *base == exact.base);
-            exact.distance(&medium, field.expect("a base asked for").1.band(0)).relative_l2
+            exact.distance(&medium, &field.expect("a base asked for").1.band(0)).relative_l2
         };
         exact.iter().map(of).fold(0.0, f64::max)
     });
@@ -40,7 +40,7 @@ pub(crate) fn print(lattice: u32) {
     let sweep = find(&medium, &paper, SolverKind::Sweep, BaseSet::ALL, |solution| {
         let of = |exact: &Reference| {
             let field = &solution.bases[usize::from(exact.base)].1;
-            exact.distance(&medium, field.band(exact.band)).relative_l2
+            exact.distance(&medium, &field.band(exact.band)).relative_l2
         };
         exact.iter().map(of).fold(0.0, f64::max)
     });

@@ -1,3 +1,6 @@
+use std::sync::Arc;
+
+use flb_format::field::CellBand;
 use flb_format::matter::{LeafAngles, TurbidMedium};
 
 use super::*;
@@ -13,7 +16,7 @@ fn occupancy() -> Occupancy {
 }
 
 fn field(value: f32) -> Field {
-    Field { lattice: 16, bands: 1, values: vec![value; 4096] }
+    Field::new(16, 1, vec![value; 4096])
 }
 
 /// Under which everything is kept here.
@@ -122,10 +125,45 @@ fn a_value_that_lies_is_refused() {
     assert!(lie(&|m| m.grid.spacing_m = f64::INFINITY).contains("spacing inf"));
     let field_lie =
         |fields: Vec<BaseArtefact>| message::<Vec<BaseArtefact>>(&to_bytes(&fields, KEY).expect("bytes"));
-    assert!(field_lie(vec![(3, field(f32::NAN))]).contains("base 3: value 0 is NaN"));
+    assert!(field_lie(vec![(3, field(f32::NAN))]).contains("base 3, band 0: value 0 is NaN"));
     assert!(field_lie(vec![(3, field(1.0)), (3, field(1.0))]).contains("base 3 is stored before base 3"));
-    assert!(field_lie(vec![(3, Field { bands: 2, ..field(1.0) })]).contains("4096 entries: expected 8192"));
-    assert!(field_lie(vec![(3, Field { bands: 0, ..field(1.0) })]).contains("0 bands"));
+    let of_bands = |bands| vec![(3, Field::new(16, bands, vec![1.0; 4096]))];
+    assert!(field_lie(of_bands(2)).contains("1 entries: expected 2"));
+    assert!(field_lie(of_bands(0)).contains("0 bands"));
+    let short = vec![(3, Field::new(16, 1, vec![1.0; 4095]))];
+    assert!(field_lie(short).contains("4095 entries: expected 4096"));
+}
+
+#[test]
+fn a_field_of_cells_comes_back_as_one_and_takes_no_value_twice() {
+    let cells: Arc<[u32]> = (0..4096).map(|site: u32| site / 64).collect();
+    let band = |factor: f32| CellBand::new(cells.clone(), (0..64).map(|cell| factor * cell as f32).collect());
+    let fields: Vec<BaseArtefact> = vec![(3, Field::of_cells(16, vec![band(1.0), band(0.5)]))];
+    let bytes = to_bytes(&fields, KEY).expect("bytes");
+    assert!(bytes.len() < 2048, "{} bytes", bytes.len());
+    let read: Vec<BaseArtefact> = from_bytes(&bytes, KEY).expect("it was written just now");
+    assert_eq!(read, fields);
+    assert!(read[0].1.cells().is_some());
+    // Bands that share values in other ways are stored whole.
+    let other = CellBand::new((0..4096).map(|site: u32| site % 64).collect(), vec![2.0; 64]);
+    let fields: Vec<BaseArtefact> = vec![(3, Field::of_cells(16, vec![band(1.0), other]))];
+    let read: Vec<BaseArtefact> =
+        from_bytes(&to_bytes(&fields, KEY).expect("bytes"), KEY).expect("it was written just now");
+    assert_eq!(read, fields);
+}
+
+#[test]
+fn runs_that_lie_are_refused() {
+    let of_runs = |runs: Vec<(u32, u32)>, values: usize| {
+        let stored = StoredField { base: 3, lattice: 16, bands: 1, runs, values: vec![vec![1.0; values]] };
+        BaseArtefact::restore(stored).map_err(|error| error.to_string())
+    };
+    assert!(of_runs(vec![(4000, 0), (4096, 1)], 2).is_ok());
+    let refused = |runs: &[(u32, u32)], values| of_runs(runs.to_vec(), values).expect_err("it lies");
+    assert!(refused(&[(4000, 0)], 1).contains("4000 entries: expected 4096"));
+    assert!(refused(&[(4000, 0), (3000, 0)], 1).contains("ends at site 3000: expected 4001 to 4096"));
+    assert!(refused(&[(5000, 0)], 1).contains("ends at site 5000: expected 1 to 4096"));
+    assert!(refused(&[(4096, 7)], 7).contains("7 values: expected at least 8"));
 }
 
 fn crown() -> Crown {

@@ -35,18 +35,17 @@ pub(crate) fn on_matter(
         });
         let straight = (*item == 0).then_some(open_sky);
         for (band, received) in (0..field.bands).zip(received) {
-            let of_band = field.band(band);
             let value = |(place, &site): (usize, &u32)| {
                 let Received { total, beam: of_beam, .. } = received[place][kind(site)];
                 let direct = beam.as_ref().map_or(0.0, |beam| beam[place]);
-                let light = total * of_band[site as usize] + (total - of_beam) * direct;
+                let light = total * field.value(band, site as usize) + (total - of_beam) * direct;
                 match straight {
                     Some(sky) if kind(site) == LEAF => seen_sky.on_leaves(place, light, of_beam * sky[place]),
                     _ => light,
                 }
             };
             let values: Vec<f32> = sites.iter().enumerate().map(value).collect();
-            spread.write(&values, field, band);
+            field.set_band(band, spread.band(&values));
         }
     });
 }

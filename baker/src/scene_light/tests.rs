@@ -235,7 +235,7 @@ fn ground_throws_back_about_what_its_reflectance_says() {
         let fields = solution.expect("light").fields;
         // Over a wide Lambertian plain: twice the reflectance times the cosine; under half a sky of fluence 1, half of
         // it.
-        let [sky, overhead, slanted] = [0, 4, 8].map(|item| f64::from(fields[item].1.values[site]));
+        let [sky, overhead, slanted] = [0, 4, 8].map(|item| f64::from(fields[item].1.value(0, site)));
         assert_near(overhead / 2.0, share, OFF_IN_SUN);
         assert_near(slanted / 2.0_f64.sqrt(), share, OFF_IN_SUN);
         assert_near(2.0 * (sky - 0.5), share, OFF_UNDER_SKY);

@@ -91,13 +91,13 @@ impl Fit {
     /// was gathered.
     pub(super) fn values(
         &self,
-        received: &[f32],
+        received: impl Fn(usize) -> f32,
         column: usize,
         band: usize,
         gathered: &Gathered,
     ) -> Vec<f32> {
         let light: Vec<f32> = (0..self.sides()).map(|side| gathered.of(side, column, band)).collect();
-        let start = self.start(|site| received[site as usize], &light);
+        let start = self.start(|site| received(site as usize), &light);
         let mut found = self.descend(&light, start.clone());
         self.bound(&light, &start, &mut found);
         found

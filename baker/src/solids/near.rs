@@ -69,20 +69,19 @@ impl NearOnSolids {
         let Some(lattice) = near.first().map(|field| field.lattice) else { return };
         let sites = fit.leaf_sites();
         let of_leaves = Spread::new(&sites, lattice);
-        near.par_iter_mut().for_each(|field| {
+        // Where no leaf has light of its own, what was there stays.
+        near.par_iter_mut().filter(|_| !sites.is_empty()).for_each(|field| {
             for band in 0..field.bands {
-                let of_band = field.band(band);
-                let values: Vec<f32> = sites.iter().map(|&site| of_band[site as usize]).collect();
-                of_leaves.write(&values, field, band);
+                let values: Vec<f32> = sites.iter().map(|&site| field.value(band, site as usize)).collect();
+                field.set_band(band, of_leaves.band(&values));
             }
         });
         let shares = self.shares(fit, near, gathered);
         near.par_iter_mut().for_each(|field| {
             for band in 0..field.bands {
-                let of_band = field.band(band);
-                let share = |(&site, share): (&u32, &f32)| share * of_band[site as usize];
+                let share = |(&site, share): (&u32, &f32)| share * field.value(band, site as usize);
                 let values: Vec<f32> = fit.sites().iter().zip(&shares).map(share).collect();
-                of_all.write(&values, field, band);
+                field.set_band(band, of_all.band(&values));
             }
         });
         self.take_from(fit, near, gathered);
@@ -125,8 +124,7 @@ impl NearOnSolids {
 
     fn sampled(&self, fit: &Fit, coefficients: &[&mut Field], side: usize, band: u32) -> Vec<f32> {
         let of_mean = |field: &&mut Field| {
-            let values = field.band(band);
-            fit.corner_sites(side).map(|(site, weight)| weight * values[site]).sum()
+            fit.corner_sites(side).map(|(site, weight)| weight * field.value(band, site)).sum()
         };
         coefficients.iter().map(of_mean).collect()
     }

@@ -138,7 +138,7 @@ mod tests {
         assert!(good.rms_percent < 2.0 && good.standard_error_percent < 0.5, "{good:?}");
 
         for (_, field) in &mut fields {
-            field.values.iter_mut().for_each(|value| *value *= 1.5);
+            field.values_mut().iter_mut().for_each(|value| *value *= 1.5);
         }
         let bad = truth.error(&transport, &mut fields).expect("there is light");
         assert!(bad.rms_percent > 3.0 * good.rms_percent, "{good:?}, {bad:?}");

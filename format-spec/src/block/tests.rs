@@ -21,7 +21,7 @@ fn decoded(mask: u64, coefficients: &[f32], bands: usize) -> Vec<f32> {
 /// Each site a value of its own.
 fn counting_field(lattice: u32, bands: u32) -> Field {
     let mut field = Field::zeros(lattice, bands);
-    field.values.iter_mut().enumerate().for_each(|(i, v)| *v = i as f32);
+    field.values_mut().iter_mut().enumerate().for_each(|(i, v)| *v = i as f32);
     field
 }
 
@@ -70,7 +70,7 @@ fn a_shared_layer_belongs_to_the_block_that_it_begins() {
         for x in order {
             scatter(&mut field, [x, 0, 0], &[1.0 + x as f32; 64]);
         }
-        field.values[..7].to_vec()
+        field.values()[..7].to_vec()
     };
     assert_eq!(write([0, 1]), [1.0, 1.0, 1.0, 2.0, 2.0, 2.0, 2.0]);
     assert_eq!(write([1, 0]), write([0, 1]));

@@ -492,7 +492,7 @@ impl CodedBase {
             for (c, integer) in integers.clone().enumerate() {
                 sum += self.colors[c * bands + band] * integer as f32;
             }
-            field.values[band * n * n * n + site] = sum;
+            field.values_mut()[band * n * n * n + site] = sum;
         }
     }
 }

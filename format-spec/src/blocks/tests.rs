@@ -281,7 +281,7 @@ proptest! {
         let before = base.field();
         let count = 1 + bytes.len() as u32 % map.len() as u32;
         match base.add(0, count, &bytes) {
-            Ok(()) => prop_assert_eq!(base.field().values.len(), before.values.len()),
+            Ok(()) => prop_assert_eq!(base.field().values().len(), before.values().len()),
             Err(_) => prop_assert_eq!(base.field(), before),
         }
     }
@@ -438,7 +438,7 @@ fn a_quarter_is_the_mean_of_stored_blocks_and_needs_no_detail() {
         let at = texels.map(|t| [0, 1, 2].map(|a| block[a] as usize * 4 + t[a]));
         at.map(|[x, y, z]| f64::from(field.band(band)[(z * n + y) * n + x])).sum::<f64>() / 64.0
     };
-    let peak = whole.values.iter().fold(0.0f32, |p, v| p.max(v.abs()));
+    let peak = whole.values().iter().fold(0.0f32, |p, v| p.max(v.abs()));
     for rank in 0..made.shared.map.len() {
         let [x, y, z] = made.shared.map.block(rank);
         for band in 0..whole.bands {
@@ -464,7 +464,7 @@ fn an_even_coarse_level_is_even_light_in_blocks_that_are_not_stored() {
             let expected = colors.chunks_exact(field.bands as usize).fold(0.0, |sum, colors| {
                 sum + colors[band as usize] * (-77 * transform::AVERAGE_TEXEL) as f32
             });
-            for (i, value) in (0u32..).zip(field.band(band)) {
+            for (i, value) in (0u32..).zip(field.band(band).iter()) {
                 let at = [i % field.lattice, i / field.lattice % field.lattice, i / field.lattice.pow(2)];
                 if made.shared.map.rank(at.map(|c| c / edge)).is_none() {
                     assert_eq!(*value, expected, "texel {at:?} band {band}");

@@ -56,7 +56,7 @@ fn a_constant_block_samples_to_its_value_everywhere() {
 #[test]
 fn points_outside_take_the_nearest_texel() {
     let mut field = Field::zeros(16, 1);
-    field.values.iter_mut().enumerate().for_each(|(i, v)| *v = i as f32);
+    field.values_mut().iter_mut().enumerate().for_each(|(i, v)| *v = i as f32);
     let mut out = [0.0];
     trilinear(&field, [-5.0, 0.2, -1e300], &mut out);
     assert_eq!(out[0], 0.0);
@@ -95,7 +95,7 @@ proptest! {
     fn a_block_answers_like_the_field_that_it_was_cut_from(
         values in prop::collection::vec(-8.0f32..8.0, 7 * 7 * 7), point in prop::array::uniform3(-0.5f64..7.5)
     ) {
-        let field = Field { lattice: 7, bands: 1, values };
+        let field = Field::new(7, 1, values);
         let at = locate(7, point);
         let mut texels = vec![0.0; 64];
         gather(&field, at.block, &mut texels);

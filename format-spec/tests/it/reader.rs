@@ -62,7 +62,7 @@ fn summary(bytes: &Vec<u8>) -> Value {
                 "metadata": text(container.read_metadata(bytes, i).expect("metadata are there")),
                 "medium": MEDIUM_ITEMS.into_iter().map(str::to_owned).zip(arrays)
                     .collect::<serde_json::Map<_, _>>(),
-                "bases": species.bases.iter().map(|b| (b.base.to_string(), floats(&base(b.base).values)))
+                "bases": species.bases.iter().map(|b| (b.base.to_string(), floats(&base(b.base).values())))
                     .collect::<serde_json::Map<_, _>>(),
             })
         })

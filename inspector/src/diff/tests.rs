@@ -21,7 +21,7 @@ fn species(name: &str) -> SpeciesFields {
     }
     let base = |base: u8| {
         let mut field = Field::zeros(16, 3);
-        field.values.iter_mut().enumerate().for_each(|(i, v)| *v = 0.5 + (i % 97) as f32 / 200.0);
+        field.values_mut().iter_mut().enumerate().for_each(|(i, v)| *v = 0.5 + (i % 97) as f32 / 200.0);
         (base, field)
     };
     SpeciesFields {
@@ -114,7 +114,7 @@ fn a_file_equals_itself() {
 
 #[test]
 fn one_changed_value_of_one_base_is_found() {
-    let change = |s: &mut SpeciesFields| s.bases[1].1.values[4096 + 16 * 3 + 9] += 0.125;
+    let change = |s: &mut SpeciesFields| s.bases[1].1.values_mut()[4096 + 16 * 3 + 9] += 0.125;
     let diff = planted(&EXACT, change);
     assert!(!diff.equal && !diff.species[0].equal);
     let unequal: Vec<u8> = diff.species[0].bases.iter().filter(|b| !b.equal).map(|b| b.base).collect();
@@ -132,7 +132,7 @@ fn one_changed_value_of_one_base_is_found() {
 #[test]
 fn the_least_change_of_a_value_is_found() {
     let diff = planted(&EXACT, |s| {
-        let value = &mut s.bases[2].1.values[0];
+        let value = &mut s.bases[2].1.values_mut()[0];
         *value = f32::from_bits(value.to_bits() + 1);
     });
     assert!(!diff.equal && diff.species[0].bases[2].values.differing == 1);
@@ -291,7 +291,7 @@ fn coded_light_is_near_the_raw_light_and_storage_is_listed() {
 
 #[test]
 fn json_holds_the_verdict_and_the_numbers() {
-    let diff = planted(&EXACT, |s| s.bases[0].1.values[5] += 1.0);
+    let diff = planted(&EXACT, |s| s.bases[0].1.values_mut()[5] += 1.0);
     let json = serde_json::to_value(&diff).unwrap();
     assert_eq!(json["equal"], json!(false));
     assert_eq!(json["species"][0]["bases"][0]["max_abs"], json!(1.0));

@@ -14,7 +14,7 @@ fn names() -> Vec<String> {
 /// Every value different, so that any mistake of order shows.
 fn counting_field(bands: u32) -> Field {
     let mut field = Field::zeros(N, bands);
-    field.values.iter_mut().enumerate().for_each(|(i, v)| *v = i as f32 * 0.001);
+    field.values_mut().iter_mut().enumerate().for_each(|(i, v)| *v = i as f32 * 0.001);
     field
 }
 
@@ -58,7 +58,7 @@ fn a_sheet_shows_every_site_upright_and_in_order() {
     let grid = Grid { lattice: N, origin_m: [0.0; 3], spacing_m: 1.0 };
     let marks = [[0, 0, 0], [15, 0, 1], [0, 15, 2], [3, 7, 11], [15, 15, 15]];
     for (band, mark) in [0, 1, 2, 0, 1].into_iter().zip(marks) {
-        field.values[band * grid.sites() + grid.index(mark[0], mark[1], mark[2])] = 2.0;
+        field.values_mut()[band * grid.sites() + grid.index(mark[0], mark[1], mark[2])] = 2.0;
     }
     let sheet = Sheet::read(&slice_sheet_png(&Volume::Base { field: &field, bands: &names() }, N).unwrap());
     assert_eq!((sheet.width, sheet.height), (67, 67));
@@ -90,7 +90,7 @@ fn fewer_slices_are_spread_evenly() {
 #[test]
 fn a_sheet_is_normalised_to_the_largest_value_and_srgb_encoded() {
     let mut field = Field::zeros(N, 1);
-    field.values[..5].copy_from_slice(&[4.0, 2.0, 0.4, -1.0, f32::NAN]);
+    field.values_mut()[..5].copy_from_slice(&[4.0, 2.0, 0.4, -1.0, f32::NAN]);
     let sheet = Sheet::read(&slice_sheet_png(&Volume::Base { field: &field, bands: &[] }, N).unwrap());
     // 1, 0.5 and 0.1 in sRGB: known values of the standard's curve.
     let row: Vec<u8> = (0..5).map(|x| sheet.site([x, 0, 0])[0]).collect();
@@ -249,7 +249,7 @@ fn npy_holds_every_value_exactly_in_the_documented_shape() {
     let bytes = volume_npy(&Volume::Base { field: &field, bands: &names() });
     let (dictionary, values) = read_npy(&bytes);
     assert_eq!(dictionary, "{'descr': '<f4', 'fortran_order': False, 'shape': (3, 16, 16, 16), }");
-    assert_eq!(values, field.values);
+    assert_eq!(values, *field.values());
 
     let medium = medium();
     let bytes = volume_npy(&Volume::Density(&medium));

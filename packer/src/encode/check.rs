@@ -30,7 +30,7 @@ pub(super) fn fields(fields: &SpeciesFields, codec: Codec) -> Result<Vec<&(u8, F
         if u16::from(*base) >= items {
             return shape("base".into(), base.to_string(), format!("0 to {}", items - 1));
         }
-        let found = (field.lattice, field.bands, field.values.len());
+        let found = (field.lattice, field.bands, field.len());
         let expected = (lattice, bands, fields.meta.grid.sites() * bands as usize);
         if found != expected {
             let what = format!("(lattice, bands, values) of base {base}");
@@ -49,12 +49,10 @@ pub(super) fn fields(fields: &SpeciesFields, codec: Codec) -> Result<Vec<&(u8, F
     bases.par_iter().try_for_each(|(base, field)| {
         let most = codec.max_magnitude();
         let bad = |value: &f32| !matches!(value.abs().partial_cmp(&most), Some(o) if o.is_le());
-        match field.values.iter().position(bad) {
+        match field.position(bad) {
             None => Ok(()),
-            Some(i) => {
-                let sites = fields.meta.grid.sites();
-                let (species, band, site) = (name.clone(), (i / sites) as u32, i % sites);
-                let found = field.values[i];
+            Some((band, site)) => {
+                let (species, found) = (name.clone(), field.value(band, site));
                 let most = match codec {
                     Codec::RawF16 => "65504, the largest that raw-f16 holds",
                     Codec::RawF32 | Codec::HaarPaper | Codec::Classed | Codec::Haar => "2^96",

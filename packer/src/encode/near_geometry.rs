@@ -92,7 +92,7 @@ pub(super) fn encode(
             error.peak = base.head.peak.into(); // of the light that they make together
         }
         let bytes = sections.iter().flat_map(|s| &s.pages).map(|page| page.stored.len() as u64).sum();
-        BaseReport::new(base.base, field.values.len() as u64 * 4, bytes, error)
+        BaseReport::new(base.base, field.len() as u64 * 4, bytes, error)
     });
     let reports = reports.collect();
 

@@ -73,11 +73,10 @@ impl Ready<'_> {
         let [x, y, z] = geometry.map.first_texel(rank);
         out.iter_mut().for_each(|o| *o = [0.0; TEXELS]);
         for band in 0..bands {
-            let values = self.field.band(band as u32);
             let mut texels = [0.0; TEXELS];
             for (i, row) in texels.as_chunks_mut::<4>().0.iter_mut().enumerate() {
                 let first = ((z + i / 4) * n + y + i % 4) * n + x;
-                (0..4).for_each(|k| row[k] = values[first + k] * scale);
+                *row = self.field.row(band as u32, first).map(|value: f32| value * scale);
             }
             for (c, out) in out.iter_mut().enumerate() {
                 let factor = self.rotation[c * bands + band];
@@ -118,7 +117,10 @@ pub(super) fn ready<'a>(
 /// `[band][point]`
 fn samples(field: &Field, geometry: &Geometry) -> Vec<Vec<f32>> {
     let (n, points) = (field.lattice as usize, &geometry.points);
-    let band = |b: u32| (0..points.len()).map(|p| points.sample(p, n, field.band(b))).collect();
+    let band = |b: u32| {
+        let values = field.band(b);
+        (0..points.len()).map(|p| points.sample(p, n, &values)).collect()
+    };
     (0..field.bands).map(band).collect()
 }
 
@@ -179,7 +181,8 @@ fn coarse_means(field: &Field, geometry: &Geometry, rotation: &[f32], peak: f32)
         for row in 0..COARSE_EDGE * COARSE_EDGE {
             let [x, y, z] = [first[0], first[1] + row % COARSE_EDGE, first[2] + row / COARSE_EDGE];
             let start = ((z * field.lattice + y) * field.lattice + x) as usize;
-            for (i, texels) in field.band(band)[start..][..COARSE_EDGE as usize].chunks_exact(4).enumerate() {
+            let texels: [f32; COARSE_EDGE as usize] = field.row(band, start);
+            for (i, texels) in texels.chunks_exact(4).enumerate() {
                 let stored = geometry.map.rank([x / 4 + i as u32, y / 4, z / 4]).is_some();
                 sums[usize::from(stored)] += texels.iter().map(|v| f64::from(*v)).sum::<f64>();
                 counts[usize::from(stored)] += 4;

@@ -18,7 +18,7 @@ fn field(lattice: u32, base: u8, bands: u32) -> Field {
     let mut field = Field::zeros(lattice, bands);
     let n = lattice as usize;
     let scale = if base == 0 { 18.0 } else { 1.0 };
-    for (i, value) in field.values.iter_mut().enumerate() {
+    for (i, value) in field.values_mut().iter_mut().enumerate() {
         let (x, y, z, band) = (i % n, i / n % n, i / (n * n) % n, i / (n * n * n));
         let ramp = (x * (1 + base as usize % 3) + 2 * y + z + 1) as f32 / 80.0;
         let bump = if (x * 7 + y * 3 + z * 5 + band) % 11 == 0 { 0.0625 } else { 0.0 };
@@ -122,7 +122,7 @@ pub(crate) fn physical(name: &str, suns: SunBasis, field_kind: FieldKind, bases:
     fields.turbid = Some(turbid(fields.meta.grid, angles));
     for (base, field) in &mut fields.bases {
         let change: fn(f32) -> f32 = if *base == 0 { |v| v / 18.0 } else { |v| v - 0.25 };
-        field.values.iter_mut().for_each(|value| *value = change(*value));
+        field.values_mut().iter_mut().for_each(|value| *value = change(*value));
     }
     fields
 }

@@ -47,7 +47,7 @@ fn golden() -> Vec<(&'static str, Vec<SpeciesFields>, EncodeSettings)> {
         physical("once", SunBasis::Harmonics { degree: 1, single: true }, FieldKind::Scattered, &all[..8]);
     // Of two versions of a species, the second with half of base 4.
     let mut second = species("second", 3, &[0, 4]);
-    second.bases[1].1.values.iter_mut().for_each(|value| *value *= 0.5);
+    second.bases[1].1.values_mut().iter_mut().for_each(|value| *value *= 0.5);
     // The digest of the mesh that it was made of.
     let mut of_mesh = species("sphere", 1, &[4]);
     of_mesh.meta.mesh_blake3 = Some("fedcba9876543210".repeat(4));
@@ -149,7 +149,7 @@ fn what_was_packed_is_what_is_loaded() {
             for ((_, found), (base, expected)) in loaded.bases.iter().zip(&expected.bases) {
                 let unit = expected_meta.model.empty_value(*base);
                 let sites = expected_meta.grid.sites();
-                for (i, (a, b)) in found.values.iter().zip(&expected.values).enumerate() {
+                for (i, (a, b)) in found.values().iter().zip(expected.values().iter()).enumerate() {
                     let limit = coding_limit(&settings, unit, *b);
                     // Away from geometry there may be the coarse level alone.
                     let is_near = loaded.medium.class[i % sites] != Class::Empty;
@@ -242,7 +242,7 @@ fn physical_species_pack_and_load_in_every_codec() {
         assert_eq!((loaded.bases.len(), loaded.bases[19].0), (20, 19));
         assert_eq!(loaded.turbid, fields.turbid);
         for ((_, found), (_, expected)) in loaded.bases.iter().zip(&fields.bases) {
-            for (i, (a, b)) in found.values.iter().zip(&expected.values).enumerate() {
+            for (i, (a, b)) in found.values().iter().zip(expected.values().iter()).enumerate() {
                 let is_near = loaded.medium.class[i % loaded.medium.class.len()] != Class::Empty;
                 if is_near || !codec.is_near_geometry() {
                     assert!((a - b).abs() <= coding_limit(&settings, 1.0, *b), "{codec:?}: {a} for {b}");

@@ -15,8 +15,8 @@ fn squares(values: impl IntoIterator<Item = f32>) -> f64 {
 fn difference(shared: &flb_format::blocks::Shared, a: &Field, b: &Field) -> f64 {
     let n = a.lattice as usize;
     let is_stored = |site: usize| shared.map.rank(site_of(site, a.lattice).map(|c| c / 4)).is_some();
-    let near = (0..a.values.len()).filter(|i| is_stored(i % (n * n * n)));
-    squares(near.map(|i| a.values[i] - b.values[i]))
+    let near = (0..a.values().len()).filter(|i| is_stored(i % (n * n * n)));
+    squares(near.map(|i| a.values()[i] - b.values()[i]))
 }
 
 fn assert_near(priority: f32, expected: f64, what: &str) {
@@ -96,7 +96,7 @@ fn two_versions_of_a_species_store_what_is_the_same_in_both_once() {
     let settings = EncodeSettings { codec: Codec::RawF32, ..EncodeSettings::papers() };
     let first = species("first", 3, &[0, 4]);
     let mut second = species("second", 3, &[0, 4]);
-    second.bases[1].1.values.iter_mut().for_each(|value| *value *= 0.5); // base 0 and the medium stay
+    second.bases[1].1.values_mut().iter_mut().for_each(|value| *value *= 0.5); // base 0 and the medium stay
     let alone =
         [pack(std::slice::from_ref(&first), &settings), pack(std::slice::from_ref(&second), &settings)];
     let both = pack(&[first, second], &settings);

@@ -48,7 +48,7 @@ fn field(seed: u64, bands: u32) -> Field {
             let depth = (x * (1 + seed % 3) as f64 + y + 0.5 * z) / 30.0;
             let light = libm::exp(-depth) * (1.0 + 0.1 * grain as f64 / (1 << 24) as f64);
             let hue = 1.0 - 0.2 * band as f64 * (1.0 - libm::exp(-0.3 * depth));
-            field.values[band * SITES + site] = (light * hue) as f32;
+            field.values_mut()[band * SITES + site] = (light * hue) as f32;
         }
     }
     field
@@ -179,8 +179,8 @@ fn harmonics() -> Vec<Field> {
     let mut terms = vec![field(1, 3), field(1, 3), field(2, 3)];
     for (site, [x, z]) in (0..SITES).map(|site| (site, [at(site)[0], at(site)[2]])) {
         for band in 0..3 {
-            terms[1].values[band * SITES + site] *= 0.4 * libm::sin(x / 5.0) as f32;
-            terms[2].values[band * SITES + site] *= 0.02 * libm::cos(z / 3.0) as f32;
+            terms[1].values_mut()[band * SITES + site] *= 0.4 * libm::sin(x / 5.0) as f32;
+            terms[2].values_mut()[band * SITES + site] *= 0.02 * libm::cos(z / 3.0) as f32;
         }
     }
     terms
@@ -249,7 +249,7 @@ fn the_largest_lattice_is_coded_to_its_target() {
         .map(|site| {
             let [x, y, z] = at(site).map(|c| c - 128.0);
             let radius = libm::sqrt(x * x + y * y + z * z);
-            field.values[site] = libm::exp(0.01 * (y + 3.0 * libm::sin(x / 4.0))) as f32;
+            field.values_mut()[site] = libm::exp(0.01 * (y + 3.0 * libm::sin(x / 4.0))) as f32;
             (radius - 90.0).abs() < 2.0 || site == 0 || site == n.pow(3) - 1
         })
         .collect();
@@ -297,7 +297,8 @@ fn a_stray_sample_is_near_the_light_and_all_blocks_leave_none() {
         let species = code(&fields, settings).expect("a target in reach");
         let shared = shared(&species);
         let decoded = read(&shared, &species.bases[0]).field();
-        let errors = decoded.values.iter().zip(&fields[0].values).map(|(a, b)| (a - b).abs());
+        let (decoded, original) = (decoded.values(), fields[0].values());
+        let errors = decoded.iter().zip(original.iter()).map(|(a, b)| (a - b).abs());
         (species.bytes(), errors.fold(0.0, f32::max))
     };
     let (near_bytes, near) = worst(&SETTINGS);
@@ -327,13 +328,13 @@ fn pages_hold_what_they_may_and_cover_the_map() {
 fn darkness_takes_next_to_nothing() {
     let species = code(&[Field::zeros(LATTICE, 3)], &SETTINGS).expect("darkness has no error");
     let shared = shared(&species);
-    assert!(read(&shared, &species.bases[0]).field().values.iter().all(|v| *v == 0.0));
+    assert!(read(&shared, &species.bases[0]).field().values().iter().all(|v| *v == 0.0));
 }
 
 /// Values without order.
 fn noise() -> Field {
     let mut field = Field::zeros(LATTICE, 1);
-    for (i, value) in (1u64..).zip(&mut field.values) {
+    for (i, value) in (1u64..).zip(field.values_mut()) {
         let hash = i.wrapping_mul(0x9E37_79B9_7F4A_7C15);
         *value = ((hash ^ (hash >> 29)).wrapping_mul(0xBF58_476D_1CE4_E5B9) >> 40) as f32 / (1 << 24) as f32;
     }
@@ -369,7 +370,7 @@ fn what_cannot_be_coded_is_refused() {
     assert_eq!(target(Target::Relative(0.0)), "the target relative error is 0, expected 0.005 to 0.5");
     let shape = refused(SETTINGS, &|field| field.bands = 2);
     assert_eq!(shape, "a field is base 0 of 2 bands and 98304 values, expected 1 to 64 bands of N^3 values");
-    let value = refused(SETTINGS, &|field| field.values[SITES + 5] = f32::INFINITY);
+    let value = refused(SETTINGS, &|field| field.values_mut()[SITES + 5] = f32::INFINITY);
     assert!(
         value.contains("band 1, site 5: value inf, expected a finite number of magnitude up to 2^96"),
         "{value}"
@@ -379,7 +380,7 @@ fn what_cannot_be_coded_is_refused() {
         // A site that no sample reads, in a stored block.
         let far = (0..SITES).find(|s| at(*s) == [10.0, 14.0, 4.0]).expect("a site");
         assert!(!occupied[far]);
-        field.values[far] = 1e12;
+        field.values_mut()[far] = 1e12;
     });
     assert!(
         dim.starts_with("the light near surfaces is ") && dim.ends_with("expected up to 16,000 times"),

@@ -39,7 +39,7 @@ fn fields(name: &str) -> SpeciesFields {
     };
     let base = |base: u8| {
         let mut field = Field::zeros(16, 3);
-        for (i, value) in field.values.iter_mut().enumerate() {
+        for (i, value) in field.values_mut().iter_mut().enumerate() {
             *value = ((i * 7919 + base as usize) % 1000) as f32 / 1000.0;
         }
         (base, field)
@@ -84,16 +84,16 @@ fn fields_that_do_not_fit_are_refused() {
     assert!(refusal(|f, _| f.bases[0].0 = 19).contains("base of species \"oak\" is 19, expected 0 to 18"));
     let text = refusal(|f, _| f.bases[1].1 = Field::zeros(32, 3));
     assert!(text.contains("(lattice, bands, values) of base 1") && text.contains("(32, 3, 98304)"), "{text}");
-    let text = refusal(|f, _| f.bases[0].1.values[4096 + 17] = f32::INFINITY);
+    let text = refusal(|f, _| f.bases[0].1.values_mut()[4096 + 17] = f32::INFINITY);
     assert!(text.starts_with("base 3 of species \"oak\", band 1, site 17: value inf"), "{text}");
-    assert!(refusal(|f, _| f.bases[0].1.values[5] = f32::NAN).contains("site 5: value NaN"));
+    assert!(refusal(|f, _| f.bases[0].1.values_mut()[5] = f32::NAN).contains("site 5: value NaN"));
 }
 
 #[test]
 fn values_above_the_largest_binary16_are_refused_by_raw_f16_alone() {
     let with = |value: f32, codec| {
         let mut fields = fields("oak");
-        fields.bases[0].1.values[2 * 4096 + 77] = value;
+        fields.bases[0].1.values_mut()[2 * 4096 + 77] = value;
         encode(&fields, &EncodeSettings { codec, ..EncodeSettings::papers() })
     };
     for value in [65504.0, -65504.0] {
@@ -220,7 +220,7 @@ fn the_report_tells_sizes_and_finds_a_planted_error() {
     assert_eq!(coarse.bases.iter().map(|base| base.base).collect::<Vec<_>>(), [1, 3]);
     assert!(coarse.bases[0].max_error > fine.bases[0].max_error);
     let mut of_sixteenths = fields.clone();
-    for value in of_sixteenths.bases.iter_mut().flat_map(|(_, field)| &mut field.values) {
+    for value in of_sixteenths.bases.iter_mut().flat_map(|(_, field)| field.values_mut()) {
         *value = (*value * 16.0).floor() / 16.0;
     }
     let exact = encode(&of_sixteenths, &f16).expect("it encodes").report.expect("it was coded");

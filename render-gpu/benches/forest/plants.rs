@@ -52,7 +52,7 @@ pub(crate) fn library() -> Library {
             let towards = at[usize::from(*base) % 3] * if *base % 2 == 1 { -1.0 } else { 1.0 };
             let light = (1.0 + towards / 64.0) * (1.0 + 0.2 * bumps) * if *base == 0 { 9.0 } else { 0.5 };
             for b in 0..3 {
-                field.values[b * grid.sites() + site] = (light * (1.0 - 0.2 * b as f64)) as f32;
+                field.values_mut()[b * grid.sites() + site] = (light * (1.0 - 0.2 * b as f64)) as f32;
             }
         }
     }

@@ -45,7 +45,7 @@ impl Plant {
                 let towards = at[usize::from(*base) % 3] * if *base == 3 { -1.0 } else { 1.0 };
                 let light = libm::exp(-0.04 * (28.0 - towards).max(0.0)) * (1.0 + 0.2 * bumps);
                 for b in 0..3 {
-                    field.values[b * grid.sites() + site] = (light * (1.0 - 0.2 * b as f64)) as f32;
+                    field.values_mut()[b * grid.sites() + site] = (light * (1.0 - 0.2 * b as f64)) as f32;
                 }
             }
         }

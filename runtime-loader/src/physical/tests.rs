@@ -39,7 +39,7 @@ fn turbid() -> TurbidMedium {
 /// Smooth, different for every base and band, of either sign.
 fn field(base: u8) -> Field {
     let mut field = Field::zeros(N, BANDS as u32);
-    for (i, value) in field.values.iter_mut().enumerate() {
+    for (i, value) in field.values_mut().iter_mut().enumerate() {
         let (x, y, z, band) = (i % 16, i / 16 % 16, i / 256 % 16, i / 4096);
         let ramp = (x * (1 + usize::from(base) % 3) + y * 2 + z + band * 5) as f32 / 100.0;
         *value = if base == 0 { 1.0 + ramp } else { ramp - 0.4 + f32::from(base) * 0.02 };
@@ -146,7 +146,7 @@ fn light_in_the_middle_of_a_site_is_the_sum_of_the_specification() {
 #[test]
 fn light_is_never_below_zero() {
     let mut fields = fields(&DEGREE_2);
-    fields.bases[1].1.values.fill(-3.0);
+    fields.bases[1].1.values_mut().fill(-3.0);
     let sampler = sampler(&fields, Codec::RawF32);
     let terms = sampler.terms([0.0, 1.0, 0.0]).expect("a direction");
     let prepared = sampler.prepare(&sampler.near(), terms, 1);
@@ -163,7 +163,10 @@ fn light_is_never_below_zero() {
 /// With b_0 = 1 and all else 0 the light is near_0 itself.
 fn beam_alone() -> SpeciesFields {
     let mut fields = fields(&DEGREE_2);
-    fields.bases.iter_mut().for_each(|(base, field)| field.values.fill(if *base == 10 { 1.0 } else { 0.0 }));
+    fields
+        .bases
+        .iter_mut()
+        .for_each(|(base, field)| field.values_mut().fill(if *base == 10 { 1.0 } else { 0.0 }));
     fields
 }
 

@@ -22,7 +22,7 @@ fn grid() -> Grid {
 /// A field that is smooth in places, constant in others, different for every base and band.
 fn field(base: u8, bands: u32) -> Field {
     let mut field = Field::zeros(N, bands);
-    for (i, value) in field.values.iter_mut().enumerate() {
+    for (i, value) in field.values_mut().iter_mut().enumerate() {
         let (x, y, z) = (i % 16, i / 16 % 16, i / 256 % 16);
         let wave = ((x * 7 + y * 3 + z * 5 + i / 4096 * 11) % 13) as f32 * 0.05;
         let peak = if base == 0 { 18.0 } else { 1.0 };
@@ -129,7 +129,7 @@ fn bands_that_are_chosen_are_those_of_the_file_in_the_order_asked_for() {
             let all = library(&fields, codec);
             let all = all.container().read_field(all.source(), 0, 5).unwrap();
             for (place, &band) in (0..).zip(bands) {
-                assert_near(field.band(place), all.band(band as u32), &format!("{codec:?}, {bands:?}"));
+                assert_near(&field.band(place), &all.band(band as u32), &format!("{codec:?}, {bands:?}"));
             }
             let sampler = SpeciesSampler::load(&chosen, 0, &[5]).unwrap();
             // Chosen among those that were chosen.

@@ -19,7 +19,7 @@ pub(crate) fn coarse(role: &Role, light: f32) -> SpeciesFields {
         surfaces.bands[0].name = LUMINANCE.to_owned();
     }
     let lattice = fields.meta.grid.lattice;
-    let field = Field { lattice, bands: 1, values: vec![light; fields.meta.grid.sites()] };
+    let field = Field::new(lattice, 1, vec![light; fields.meta.grid.sites()]);
     fields.bases.iter_mut().for_each(|(_, base)| *base = field.clone());
     fields
 }

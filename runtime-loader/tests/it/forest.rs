@@ -12,7 +12,7 @@ pub(crate) const BASES: [u8; 3] = [0, 4, 7];
 /// The values of a base: another in every site, and with every `seed`.
 pub(crate) fn field(lattice: u32, base: u8, seed: u32) -> Field {
     let mut field = Field::zeros(lattice, 1);
-    for (i, value) in field.values.iter_mut().enumerate() {
+    for (i, value) in field.values_mut().iter_mut().enumerate() {
         *value = (i as u32 * 7 + seed * 131 + u32::from(base) * 1009) as f32 / 1e6;
     }
     field

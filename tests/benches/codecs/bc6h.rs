@@ -27,13 +27,12 @@ pub(crate) fn coded(field: &Field, is_near: &[bool]) -> Field {
                     bands
                         .iter()
                         .enumerate()
-                        .for_each(|(c, band)| texel[c] = to_code(field.values[band * n * n * n + site(t)]));
+                        .for_each(|(c, band)| texel[c] = to_code(field.values()[band * n * n * n + site(t)]));
                 }
                 for (t, texel) in tile(&texels).iter().enumerate() {
-                    bands
-                        .iter()
-                        .enumerate()
-                        .for_each(|(c, band)| out.values[band * n * n * n + site(t)] = from_code(texel[c]));
+                    bands.iter().enumerate().for_each(|(c, band)| {
+                        out.values_mut()[band * n * n * n + site(t)] = from_code(texel[c])
+                    });
                 }
             }
         }

@@ -24,7 +24,7 @@ pub(crate) fn plant(plant: &Plant) -> Plant {
     let source: Vec<Option<usize>> = (0..wide * wide * wide).map(from).collect();
     let fields = plant.bases().iter().map(|(base, field)| {
         let mut out = Field::zeros(wide as u32, field.bands);
-        for (band, out) in out.values.chunks_exact_mut(source.len()).enumerate() {
+        for (band, out) in out.values_mut().chunks_exact_mut(source.len()).enumerate() {
             let values = field.band(band as u32);
             out.iter_mut().zip(&source).for_each(|(out, from)| *out = from.map_or(0.0, |from| values[from]));
         }

@@ -94,9 +94,9 @@ fn near_texels(plant: &Plant, surface: &Surface) -> f64 {
 
 /// Plain binary16.
 pub(crate) fn half(plant: &Plant, surface: &Surface) -> Row {
-    let round = |field: &Field| Field {
-        values: field.values.iter().map(|value| payload::rounded_f16(*value)).collect(),
-        ..*field
+    let round = |field: &Field| {
+        let values = field.values().iter().map(|value| payload::rounded_f16(*value)).collect();
+        Field::new(field.lattice, field.bands, values)
     };
     Row {
         name: "binary16, blocks near geometry".to_owned(),

@@ -259,7 +259,7 @@ fn scene_light_is_golden() {
         for base in &species.bases {
             let field =
                 container.read_field(library.source(), index, base.base).expect("it was just written");
-            text += &describe::values(&format!("item {}", base.base), &field.values);
+            text += &describe::values(&format!("item {}", base.base), &field.values());
         }
     }
     insta::assert_snapshot!("scene_light", text);

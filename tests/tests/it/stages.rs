@@ -152,7 +152,7 @@ mod planted {
     fn one_bit_of_a_field_shows() {
         let solution = &shrub().solution;
         let mut other = solution.clone();
-        nudge(&mut other.bases[18].1.values[40_000]);
+        nudge(&mut other.bases[18].1.values_mut()[40_000]);
         assert_ne!(describe::fields(&other), describe::fields(solution));
         let mut other = solution.clone();
         other.reports[5].sweeps += 100;

@@ -46,7 +46,7 @@ pub(super) fn solve(
             light.darken(base);
             matter.darken();
             let course = relax(&mut light, &mut matter, &gains, settings);
-            let phi = &mut field.values[band * sites..][..sites];
+            let phi = &mut field.values_mut()[band * sites..][..sites];
             light.cross_empty_sites(&matter);
             light.gather(phi);
             matter.write(phi);

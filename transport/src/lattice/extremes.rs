@@ -123,14 +123,16 @@ fn measure(case: &Case) -> Result<Measured, SolveError> {
         reports.iter().any(|report| (report.base, report.band) == (base, band) && report.converged)
     };
     let wanted: Vec<(u8, u32)> = COMPARED_BASES.into_iter().flat_map(of_base).filter(converged).collect();
-    for phi in solution.bases.iter().flat_map(|(_, field)| &field.values) {
-        let [low, high] = measured.range;
-        measured.range = if phi.is_finite() { [low.min(*phi), high.max(*phi)] } else { [f32::NAN; 2] };
+    for (_, field) in &solution.bases {
+        for &phi in field.values().iter() {
+            let [low, high] = measured.range;
+            measured.range = if phi.is_finite() { [low.min(phi), high.max(phi)] } else { [f32::NAN; 2] };
+        }
     }
     for exact in reference::solve(medium, optics, &wanted, REFERENCE_TOLERANCE, REFERENCE_SWEEPS)? {
         measured.compared += 1;
         let phi = solution.bases[usize::from(exact.base)].1.band(exact.band);
-        let distance = exact.distance(medium, phi);
+        let distance = exact.distance(medium, &phi);
         measured.relative_l2 = measured.relative_l2.max(distance.relative_l2);
         measured.worst_site = measured.worst_site.max(distance.worst_site);
     }

@@ -64,7 +64,7 @@ pub(super) fn solve(
             progress((at as f64 * f64::from(bands) + f64::from(band)) / total)?;
             let until = Until::Count(2 * medium.grid.lattice);
             let literal = iterate(medium, optics, band, &boundary_of_base(base), until);
-            let values = field.values[band as usize * medium.grid.sites()..].iter_mut();
+            let values = field.values_mut()[band as usize * medium.grid.sites()..].iter_mut();
             values.zip(&literal.phi).for_each(|(value, phi)| *value = *phi as f32);
             reports.push(literal.course.report(base, band, settings));
         }

@@ -118,7 +118,7 @@ fn solve_group(
 pub(super) fn targets(fields: &mut [(u8, Field)], sites: usize) -> Vec<Target<'_>> {
     let mut targets: Vec<Target> = Vec::new();
     for (base, field) in fields {
-        for (band, output) in field.values.chunks_mut(sites).enumerate() {
+        for (band, output) in field.values_mut().chunks_mut(sites).enumerate() {
             targets.push(Target { base: *base, band: band as u32, output });
         }
     }

@@ -25,14 +25,24 @@ use super::source_iteration::{arrives, source_iteration};
 use super::suns::SolvePlan;
 
 /// Scattered light of one band.
+#[derive(Clone, Default)]
 pub(super) struct Lit {
     /// Scattered fluence `[sun][site]`, the sky last where it is wanted.
     pub light: Vec<Vec<f32>>,
+    /// Suns that were solved, the sky included. The light of others was made of that of other bands.
+    pub solved: u32,
     pub passes: u32,
     pub error_estimate: f64,
 }
 
+impl Lit {
+    fn solved(light: Vec<Vec<f32>>, passes: u32, error_estimate: f64) -> Lit {
+        Lit { solved: light.len() as u32, light, passes, error_estimate }
+    }
+}
+
 /// What a scatter is made of.
+#[derive(Clone, Copy)]
 pub(super) struct Scattering<'a> {
     pub march: &'a March,
     pub plan: &'a SolvePlan,
@@ -186,7 +196,7 @@ impl Scattering<'_> {
     /// All light of a band, from what its groups made.
     fn joined<const M: usize>(&self, part: Part<M>, band: &Band, smooth: Option<&Smooth>) -> Lit {
         let Part { mut light, passes, error_estimate, smooth: sums, apart } = part;
-        let Some(smooth) = smooth else { return Lit { light, passes, error_estimate } };
+        let Some(smooth) = smooth else { return Lit::solved(light, passes, error_estimate) };
         let size = smooth.mean_square(&light);
         // What is solved, and below which size errors do not count.
         let wanted: Vec<(&Vec<[f32; M]>, f64)> =
@@ -211,7 +221,7 @@ impl Scattering<'_> {
             .collect();
         smooth.add_to_suns(&rest, &mut light);
         light.extend((sums.len()..wanted.len()).map(of_wanted));
-        Lit { light, passes: passes + further, error_estimate }
+        Lit::solved(light, passes + further, error_estimate)
     }
 }
 

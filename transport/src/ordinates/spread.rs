@@ -4,7 +4,9 @@
 //! mean of the non-empty sites in the smallest cube of the pyramid over the lattice (2^3, 4^3, ... sites) that holds
 //! any: next to matter that is the matter's light, and further away it changes little, which codes well.
 
-use flb_format::Field;
+use std::sync::Arc;
+
+use flb_format::field::CellBand;
 
 /// The pyramid over the non-empty sites of a lattice: what each site of a field takes its value from.
 pub struct Spread {
@@ -14,19 +16,23 @@ pub struct Spread {
     /// Sites that each cube holds, those of all levels one after the other.
     counts: Vec<f32>,
     /// `[z][y][x]`: number of the cube, among those of all levels, whose mean a site takes.
-    cubes: Vec<u32>,
+    cubes: Arc<[u32]>,
 }
 
 impl Spread {
     /// Prepares for the non-empty sites of a lattice, ascending.
     pub fn new(sites: &[u32], lattice: u32) -> Spread {
         let mut edge = lattice as usize;
+        if sites.is_empty() {
+            let cubes = vec![0; edge * edge * edge].into();
+            return Spread { parents: Vec::new(), counts: Vec::new(), cubes };
+        }
         // Cubes of a level by their place in it, and all of them.
         let mut cubes: Vec<u32> = sites.to_vec();
         let mut levels = Vec::new();
         let (mut parents, mut counts) = (Vec::new(), vec![1.0; sites.len()]);
         let mut first = 0;
-        while edge > 1 && !sites.is_empty() {
+        while edge > 1 {
             let half = edge / 2;
             let above = |&cube: &u32| {
                 let cube = cube as usize;
@@ -47,7 +53,7 @@ impl Spread {
             edge = half;
         }
         // From the top, each level tells those below that are empty.
-        let mut numbers = vec![counts.len().saturating_sub(1) as u32];
+        let mut numbers = vec![counts.len() as u32 - 1];
         let mut end = first;
         for (cubes, edge) in levels.into_iter().rev() {
             let half = edge / 2;
@@ -62,15 +68,16 @@ impl Spread {
             (start..end).zip(cubes).for_each(|(number, cube)| below[cube as usize] = number as u32);
             (numbers, end) = (below, start);
         }
-        Spread { parents, counts, cubes: numbers }
+        Spread { parents, counts, cubes: numbers.into() }
     }
 
-    /// Writes a band of a field from the values at the sites; without sites, nothing.
-    pub fn write(&self, values: &[f32], field: &mut Field, band: u32) {
+    /// Makes a band of a field from the values at the sites; without sites, one of zeros.
+    pub fn band(&self, values: &[f32]) -> CellBand {
         if values.is_empty() {
-            return;
+            return CellBand::new(self.cubes.clone(), vec![0.0]);
         }
-        let mut means = values.to_vec();
+        let mut means = Vec::with_capacity(self.counts.len());
+        means.extend_from_slice(values);
         let mut first = 0;
         for (level, parents) in self.parents.iter().enumerate() {
             let end = means.len();
@@ -80,23 +87,21 @@ impl Spread {
             first = end;
         }
         means.iter_mut().zip(&self.counts).for_each(|(mean, count)| *mean /= count);
-        let n = field.lattice as usize;
-        let out = &mut field.values[band as usize * n * n * n..][..n * n * n];
-        out.iter_mut().zip(&self.cubes).for_each(|(out, &cube)| *out = means[cube as usize]);
+        CellBand::new(self.cubes.clone(), means)
     }
 }
 
 #[cfg(test)]
 mod tests {
+    use flb_format::Field;
+
     use super::*;
 
     #[test]
     fn empty_sites_take_the_mean_of_the_nearest_cube_with_matter() {
-        let mut field = Field::zeros(4, 2);
         // Sites (0, 0, 0) and (1, 0, 0) share a cube of 2^3; (3, 3, 3) has one of its own.
-        Spread::new(&[0, 1, 63], 4).write(&[1.0, 3.0, 8.0], &mut field, 1);
-        assert!(field.band(0).iter().all(|&v| v == 0.0));
-        let band = field.band(1);
+        let field = Field::of_cells(4, vec![Spread::new(&[0, 1, 63], 4).band(&[1.0, 3.0, 8.0])]);
+        let band = field.band(0);
         assert_eq!([band[0], band[1], band[63]], [1.0, 3.0, 8.0]);
         assert_eq!(band[4], 2.0); // (0, 1, 0)
         assert_eq!(band[62], 8.0); // (2, 3, 3)
@@ -146,8 +151,7 @@ mod tests {
             let spread = Spread::new(&sites, 16);
             for _ in 0..2 {
                 let values: Vec<f32> = sites.iter().map(|_| random() as f32 / 1e5).collect();
-                let mut field = Field::zeros(16, 1);
-                spread.write(&values, &mut field, 0);
+                let field = Field::of_cells(16, vec![spread.band(&values)]);
                 assert_eq!(field.band(0), by_sums_over_all(&sites, &values, 16));
             }
         }
@@ -155,8 +159,7 @@ mod tests {
 
     #[test]
     fn a_plant_without_sites_has_no_light() {
-        let mut field = Field::zeros(4, 1);
-        Spread::new(&[], 4).write(&[], &mut field, 0);
-        assert!(field.values.iter().all(|&v| v == 0.0));
+        let field = Field::of_cells(4, vec![Spread::new(&[], 4).band(&[])]);
+        assert!(field.values().iter().all(|&v| v == 0.0));
     }
 }

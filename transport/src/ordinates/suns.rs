@@ -53,6 +53,11 @@ impl SolvePlan {
         SolvePlan { suns: fitted.into_iter().chain(judges).collect(), fitted: count }
     }
 
+    /// The suns of a plan that are held out, alone.
+    pub(super) fn held_out_of(plan: &SolvePlan) -> SolvePlan {
+        SolvePlan { suns: plan.suns[plan.fitted..].to_vec(), fitted: 0 }
+    }
+
     /// How many of the suns fields are made from.
     pub(super) fn fitted(&self) -> usize {
         self.fitted

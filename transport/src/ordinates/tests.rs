@@ -1,5 +1,6 @@
 //! Laws of the transport, and its distance from Monte Carlo.
 
+mod alike;
 mod mixed;
 mod smooth;
 
@@ -89,7 +90,7 @@ fn a_thin_ball_lets_the_sky_through() {
     let medium = ball(16, 0.02);
     let solution = solved(&medium, both(0.5, Phase::ISOTROPIC), &OrdinatesSettings::default());
     for site in medium.sites() {
-        let sky = solution.fields[0].1.values[site as usize];
+        let sky = solution.fields[0].1.value(0, site as usize);
         assert!((0.985..1.0).contains(&sky), "{sky}");
     }
 }
@@ -104,7 +105,7 @@ fn matter_that_absorbs_nothing_stays_in_balance_with_the_sky() {
             let settings = OrdinatesSettings { ordinates, tolerance: 1e-5, ..OrdinatesSettings::default() };
             let solution = solved(&medium, both(1.0, phase), &settings);
             for site in medium.sites() {
-                let sky = solution.fields[0].1.values[site as usize];
+                let sky = solution.fields[0].1.value(0, site as usize);
                 assert!((sky - 1.0).abs() < 2e-3, "{phase:?}, {ordinates:?}: {sky}");
             }
         }
@@ -125,7 +126,7 @@ fn the_mean_over_all_suns_is_the_sky() {
         mean.iter_mut().zip(light).for_each(|(mean, light)| *mean += o.weight * f64::from(light));
     }
     let sky: Vec<f64> =
-        sites.iter().map(|&site| f64::from(solution.fields[0].1.values[site as usize])).collect();
+        sites.iter().map(|&site| f64::from(solution.fields[0].1.value(0, site as usize))).collect();
     let square: f64 = sky.iter().zip(&mean).map(|(a, b)| (a - b) * (a - b)).sum();
     let rms = (square / sky.len() as f64).sqrt() / (sky.iter().sum::<f64>() / sky.len() as f64);
     // Along 110 directions the sky's beams are marched by one ray a site, the suns' by four.
@@ -145,7 +146,7 @@ fn a_mirrored_plant_has_mirrored_light_along_lattice_directions() {
     let [a, b] = [&plant, &mirrored].map(|medium| solved(medium, scatter, &LATTICE18));
     // Direction 3 travels along y, which the mirror keeps; 1 and 2 along x and back.
     for (here, there) in [(3, 3), (1, 2), (0, 0)] {
-        let (a, b) = (&a.fields[here].1.values, &b.fields[there].1.values);
+        let (a, b) = (&a.fields[here].1.values(), &b.fields[there].1.values());
         let worst = (0..a.len()).map(|site| (a[site] - b[other(site)]).abs()).fold(0.0, f32::max);
         assert!(worst < 2e-4, "field {here}: {worst}");
     }
@@ -194,7 +195,7 @@ fn the_error_that_the_held_out_suns_show_is_the_error() {
     let sun = [-std::f64::consts::FRAC_1_SQRT_2, -std::f64::consts::FRAC_1_SQRT_2, 0.0];
     let beams = [false, true].map(|single| near(&medium, &sites, single).beam(sun, 2));
     let alone = solved(&medium, scatter, &FINE18);
-    let truth: Vec<f32> = sites.iter().map(|&site| alone.fields[7].1.values[site as usize]).collect();
+    let truth: Vec<f32> = sites.iter().map(|&site| alone.fields[7].1.value(0, site as usize)).collect();
     let [mut with, mut without] = [[0.0; 3]; 2];
     for (degree, single) in [(1, false), (2, false), (3, false), (1, true), (2, true), (3, true)] {
         let settings = harmonics(degree, single);
@@ -226,7 +227,7 @@ fn lists_of_directions_state_their_error_and_42_suns_are_nearer_than_12() {
         let errors = [7, 9, 13, 17].map(|item| {
             let sun = flb_format::direction::DIRECTIONS[item].map(|c| -f64::from(c) / 2.0_f64.sqrt());
             let truth: Vec<f32> =
-                sites.iter().map(|&site| alone.fields[item].1.values[site as usize]).collect();
+                sites.iter().map(|&site| alone.fields[item].1.value(0, site as usize)).collect();
             let beam = near.beam(sun, 2);
             let found = solution.light(&settings.suns, 0, &sites, sun, &beam);
             relative_rms(&found, &truth, &beam.beam.mean)
@@ -252,7 +253,7 @@ fn a_sun_of_a_list_has_its_own_field_and_total_fields_hold_its_beam() {
     for (base, &sun) in (1..).zip(list.directions()) {
         let beam = near.beam(sun, 4);
         let own = |solution: &OrdinatesSolution| -> Vec<f32> {
-            sites.iter().map(|&site| solution.fields[base].1.values[site as usize]).collect()
+            sites.iter().map(|&site| solution.fields[base].1.value(0, site as usize)).collect()
         };
         let light = scattered.light(&ico12(), 0, &sites, sun, &beam);
         for (i, (scattered, total)) in own(&scattered).into_iter().zip(own(&total)).enumerate() {
@@ -275,7 +276,7 @@ fn what_hardly_scatters_is_lit_by_light_scattered_once() {
         let beam = near(&medium, &sites, true).beam(sun.map(|c| c / length), 4);
         let (mut square, mut sum, mut truth_sum) = (0.0, 0.0, 0.0);
         for (place, &site) in sites.iter().enumerate() {
-            let truth = f64::from(field.values[site as usize]) / ALBEDO;
+            let truth = f64::from(field.values()[site as usize]) / ALBEDO;
             let off = f64::from(beam.mean(2, place)) - truth;
             (square, sum, truth_sum) = (square + off * off, sum + off, truth_sum + truth);
         }
@@ -302,7 +303,7 @@ fn cut_sites_bring_dense_plants_nearer_to_monte_carlo() {
             OrdinatesSettings { parts, rays: 2, suns: SunBasis::Lattice18, ..OrdinatesSettings::default() };
         let solution = solved(&medium, scatter, &settings);
         let found: Vec<f64> =
-            sites.iter().map(|&site| f64::from(solution.fields[4].1.values[site as usize])).collect();
+            sites.iter().map(|&site| f64::from(solution.fields[4].1.value(0, site as usize))).collect();
         monte_carlo::compare(&found, [&truth[0], &truth[1]], ComparedLight::Scattered).unwrap().rms
     };
     let (whole, cut) = (error(1), error(2));
@@ -338,8 +339,9 @@ fn directions_and_the_sky_are_the_same_light_when_others_are_left_out() {
         assert_eq!(some.fields.iter().map(|(base, _)| *base).collect::<Vec<_>>(), bases);
         assert_eq!(some.reports[0].solves, bases.len() as u32);
         for (base, field) in &some.fields {
-            let expected = &all.fields[usize::from(*base)].1.values;
-            let worst = field.values.iter().zip(expected).map(|(a, b)| (a - b).abs()).fold(0.0, f32::max);
+            let expected = all.fields[usize::from(*base)].1.values();
+            let worst =
+                field.values().iter().zip(expected.iter()).map(|(a, b)| (a - b).abs()).fold(0.0, f32::max);
             assert!(worst < SHARED, "base {base} of {bases:?}: {worst}");
         }
     }
@@ -356,7 +358,7 @@ fn too_few_passes_are_reported() {
 fn a_plant_without_matter_is_dark_but_for_the_sky() {
     let medium = medium(16, |_| 0.0);
     let solution = solved(&medium, both(0.5, Phase::ISOTROPIC), &OrdinatesSettings::default());
-    assert!(solution.fields.iter().all(|(_, field)| field.values.iter().all(|&v| v == 0.0)));
+    assert!(solution.fields.iter().all(|(_, field)| field.values().iter().all(|&v| v == 0.0)));
     assert!(solution.reports[0].converged);
 }
 
@@ -424,7 +426,7 @@ fn half_a_sky_brings_a_thin_ball_half_the_light_and_a_whole_one_changes_nothing(
         solve_among(&thin, &scatter, &surroundings, &FINE18, &|_| Ok(())).unwrap()
     };
     assert_eq!(sky(1.0), solved(&thin, scatter[0], &FINE18));
-    let half = sky(0.0).fields[0].1.values[thin.grid.index(8, 8, 8)];
+    let half = sky(0.0).fields[0].1.values()[thin.grid.index(8, 8, 8)];
     assert!((half - 0.5).abs() < 1e-3, "{half}");
 }
 
@@ -437,12 +439,14 @@ fn sites_with_the_albedos_of_their_band_scatter_as_the_band_does() {
             let surroundings = Surroundings { albedos, ..Surroundings::NONE };
             solve_among(&medium, &[scatter], &surroundings, &settings, &|_| Ok(())).unwrap().fields[3]
                 .1
-                .values
-                .clone()
+                .values()
+                .into_owned()
         };
         let mut albedos = vec![[0.4_f32; 2]; medium.sites().len()];
         let same = light(&albedos);
-        for (found, expected) in same.iter().zip(&solved(&medium, scatter, &settings).fields[3].1.values) {
+        for (found, expected) in
+            same.iter().zip(solved(&medium, scatter, &settings).fields[3].1.values().iter())
+        {
             assert!((found - expected).abs() <= 1e-6 * expected.abs(), "{found}, {expected}");
         }
         // A single black site takes light from all others.

@@ -123,5 +123,5 @@ fn samples_of_full_maps_are_their_texels() {
 }
 
 fn peak_of(base: &CodedBase) -> f32 {
-    base.field().values.iter().fold(0.0f32, |peak, value| peak.max(value.abs()))
+    base.field().values().iter().fold(0.0f32, |peak, value| peak.max(value.abs()))
 }

@@ -27,7 +27,7 @@ fn light(gpu: &Gpu) -> GpuLight {
 
 /// Largest magnitude of texels over all blocks, in light.
 fn peak(base: &CodedBase) -> f64 {
-    f64::from(base.field().values.iter().fold(0.0f32, |peak, value| peak.max(value.abs())))
+    f64::from(base.field().values().iter().fold(0.0f32, |peak, value| peak.max(value.abs())))
 }
 
 /// Points all over a lattice and a little beyond it, in model space.
@@ -228,7 +228,7 @@ fn ball() -> SpeciesFields {
             let towards = at[usize::from(*base) % 2] + 8.0 * libm::sin(0.4 * at[2]);
             let light = libm::exp(-0.1 * (depth - 0.5 * towards).max(0.0));
             for b in 0..3 {
-                field.values[b * grid.sites() + site] = light as f32 * (1.0 - 0.25 * b as f32);
+                field.values_mut()[b * grid.sites() + site] = light as f32 * (1.0 - 0.25 * b as f32);
             }
         }
     }

@@ -22,7 +22,7 @@ fn shrub() -> SpeciesFields {
 fn smooth(base: u8) -> Field {
     let mut field = Field::zeros(LATTICE, BANDS as u32);
     let sites = (LATTICE as usize).pow(3);
-    for (i, value) in field.values.iter_mut().enumerate() {
+    for (i, value) in field.values_mut().iter_mut().enumerate() {
         let [x, y, z] = site_of(i % sites, LATTICE).map(|c| c as f32 / LATTICE as f32);
         let band = 1.0 + (i / sites) as f32;
         *value = match base {

@@ -22,7 +22,7 @@ fn blending_bases_equals_solving_for_that_sun() {
             assert!(weight > 0.01, "{blend:?} should need all three");
             boundary[usize::from(*base)] = f64::from(weight);
             let phi = solution.bases[usize::from(*base)].1.band(0);
-            blended.iter_mut().zip(phi).for_each(|(sum, phi)| *sum += weight * phi);
+            blended.iter_mut().zip(phi.iter()).for_each(|(sum, phi)| *sum += weight * phi);
         }
         let until = Until::Settled { change: 1e-13, limit: 50_000 };
         let direct = literal::iterate(&medium, &optics, 0, &boundary, until).phi;

@@ -30,7 +30,10 @@ fn a_planted_error_of_the_fields_is_found() {
     assert!(good.rms < 0.02 && good.bias.abs() < 0.01 && good.suns == 3, "{good:?}");
     assert!(good.worst >= good.rms && good.rms_error < 0.005, "{good:?}");
     let bright = judged(&medium, &settings, |solution| {
-        solution.fields.iter_mut().for_each(|(_, field)| field.values.iter_mut().for_each(|v| *v *= 1.2));
+        solution
+            .fields
+            .iter_mut()
+            .for_each(|(_, field)| field.values_mut().iter_mut().for_each(|v| *v *= 1.2));
     });
     // Scattered light is about a third of the total here, and a fifth of that was added.
     assert!(bright.bias > good.bias + 0.04 && bright.rms > 0.04, "{bright:?}");

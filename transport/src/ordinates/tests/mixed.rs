@@ -19,7 +19,10 @@ fn light(
         transmitted: transmitted.as_ref().map(std::slice::from_ref),
         ..Surroundings::NONE
     };
-    solve_among(medium, &[band], &surroundings, settings, &|_| Ok(())).unwrap().fields[3].1.values.clone()
+    solve_among(medium, &[band], &surroundings, settings, &|_| Ok(())).unwrap().fields[3]
+        .1
+        .values()
+        .into_owned()
 }
 
 fn rms_apart(a: &[f32], b: &[f32]) -> f64 {
