@@ -46,7 +46,7 @@ pub const CLASSES: Key<Vec<String>> = Key::new("classify.materials");
 pub const VOXELS: Key<u32> = Key::new("voxelise.voxels");
 /// Whether every texel of a leaf card was taken for present.
 pub const IGNORE_ALPHA: Key<bool> = Key::new("voxelise.ignore_alpha");
-/// Name of the solver, of the model `paper`.
+/// Name of the solver, of the model `paper`; of `physical` where a GPU solved.
 pub const SOLVER: Key<String> = Key::new("solve.solver");
 /// Change of a field at which a solve ends.
 pub const TOLERANCE: Key<f64> = Key::new("solve.tolerance");

@@ -32,7 +32,9 @@ pub mod reference;
 mod sites;
 pub mod sweep;
 
-pub use error::{GpuError, SolveError};
+pub use error::SolveError;
+
+pub use crate::gpu::GpuError;
 
 use flb_format::bases::BaseSet;
 use flb_format::direction::MOVING;
@@ -158,10 +160,7 @@ pub fn solve(
 /// # Errors
 /// [`GpuError::NotBuilt`], [`GpuError::NoAdapter`].
 pub fn find_gpu() -> Result<String, SolveError> {
-    #[cfg(feature = "gpu")]
-    return Ok(gpu::find()?);
-    #[cfg(not(feature = "gpu"))]
-    Err(GpuError::NotBuilt.into())
+    Ok(crate::gpu::find_gpu()?)
 }
 
 /// The bases that a solver must solve for: base 0 is the sum of the others where all of them are solved anyhow.

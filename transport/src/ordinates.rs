@@ -20,10 +20,13 @@
 //! For the last two, a few suns are solved and held out: they tell what the fit or the blend is off.
 
 mod alike;
+mod backend;
 mod band;
 mod error;
 mod first;
 mod fit;
+#[cfg(feature = "gpu")]
+mod gpu;
 mod halves;
 mod icosahedron;
 mod lanes;
@@ -40,6 +43,7 @@ mod suns;
 mod tests;
 mod total;
 
+pub use backend::Backend;
 pub use error::OrdinatesError;
 pub use fit::{Sun, Terms, evaluate};
 pub use flb_format::light::{FieldKind, SunBasis};
@@ -91,6 +95,8 @@ pub struct OrdinatesSettings {
     pub tolerance: f64,
     /// Passes after which a solve is given up as not converged.
     pub max_passes: u32,
+    /// Machine that light is marched on.
+    pub backend: Backend,
 }
 
 /// Bands that are solved at once; more would only cost memory.
@@ -107,6 +113,7 @@ impl Default for OrdinatesSettings {
             field: FieldKind::Scattered,
             tolerance: 2e-3,
             max_passes: 200,
+            backend: Backend::Cpu,
         }
     }
 }
@@ -191,7 +198,8 @@ impl Surroundings<'_> {
 ///
 /// # Errors
 /// A medium whose arrays have the wrong length, extinction that is negative or not finite, no bands or more than 64, an
-/// albedo outside 0..=1, and settings outside of their ranges: see [`OrdinatesError`]; [`OrdinatesError::Cancelled`].
+/// albedo outside 0..=1, and settings outside of their ranges: see [`OrdinatesError`]; [`OrdinatesError::Gpu`];
+/// [`OrdinatesError::Cancelled`].
 pub fn solve(
     medium: &TurbidMedium,
     bands: &[BandScatter],
@@ -216,6 +224,7 @@ pub fn solve_among(
     let sites = medium.sites();
     error::check_surroundings(surroundings, sites.len(), bands.len())?;
     progress(0.0)?;
+    let marcher = settings.backend.open()?;
     let Surroundings { below, albedos, transmitted } = *surroundings;
     let plan = suns::SolvePlan::new(settings);
     let refined = (settings.parts > 1).then(|| Refined::new(medium, &sites));
@@ -267,7 +276,7 @@ pub fn solve_among(
         Band::new(fine, fine_sites, &bands[number], &own)
     };
     let scatter = |scattering: &Scattering, some: &[Band], made: &Progress<'_>| {
-        let mut lit = scattering.scatter(some, made)?;
+        let mut lit = marcher.scatter(scattering, some, made)?;
         lit.iter_mut().for_each(|lit| {
             lit.light.par_iter_mut().for_each(|light| *light = mean_of(std::mem::take(light)))
         });

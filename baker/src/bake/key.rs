@@ -74,9 +74,10 @@ pub fn of_crown(settings: &CrownSettings) -> [(&'static str, Value); 2] {
     [("ignore_alpha", json!(ignore_alpha)), ("leaf_angles", json!(angles.name()))]
 }
 
-/// Parts of a solve of the `physical` model.
+/// Parts of a solve of the `physical` model. Which GPU solves, if one does, is a part that its caller adds.
 pub fn of_ordinates(settings: &OrdinatesSettings) -> [(&'static str, Value); 8] {
-    let OrdinatesSettings { ordinates, rays, parts, suns, bases, field, tolerance, max_passes } = settings;
+    let OrdinatesSettings { ordinates, rays, parts, suns, bases, field, tolerance, max_passes, backend: _ } =
+        settings;
     let suns = match suns {
         SunBasis::Lattice18 => json!("lattice18"),
         SunBasis::Harmonics { degree, single } => json!({ "degree": degree, "single": single }),

@@ -3,7 +3,10 @@
 use flb_format::light::LightError;
 use flb_format::matter::TurbidMedium;
 use flb_scene::Step;
-use flb_transport::ordinates::{self, BandReport, OrdinatesSettings, OrdinatesSolution, Surroundings};
+use flb_transport::gpu::find_gpu;
+use flb_transport::ordinates::{
+    self, Backend, BandReport, OrdinatesError, OrdinatesSettings, OrdinatesSolution, Surroundings,
+};
 use flb_transport::turbid::BandScatter;
 
 use super::key::{Key, hex, of_bands, of_ordinates};
@@ -35,7 +38,7 @@ pub(super) fn solve(
     bands: &[BandScatter],
     settings: &OrdinatesSettings,
 ) -> Result<(OrdinatesSolution, bool), BakeError> {
-    let kept = StoredSolution { work, key: key(source, bands, settings) };
+    let kept = StoredSolution { work, key: key(source, bands, settings, gpu_of(settings)?) };
     let (solution, cached) = work.run(Step::Solve, |progress| {
         if let Some(solution) = kept.read(source.turbid, bands.len(), settings) {
             work.hear(Event::Reused { step: Step::Solve, species: work.species.to_owned() });
@@ -50,7 +53,7 @@ pub(super) fn solve(
         }
         Ok((solution, false))
     })?;
-    work.hear(Event::Solved(summary(work.species, &solution.reports, cached)));
+    work.hear(Event::Solved(summary(work.species, &solution.reports, settings, cached)));
     Ok((solution, cached))
 }
 
@@ -70,11 +73,35 @@ pub fn error_of(solution: &OrdinatesSolution) -> LightError {
     }
 }
 
-fn key(source: &LightSource, bands: &[BandScatter], settings: &OrdinatesSettings) -> Key {
+/// Name of the GPU that solves, where one does.
+///
+/// # Errors
+/// No GPU.
+pub(super) fn gpu_of(settings: &OrdinatesSettings) -> Result<Option<String>, BakeError> {
+    let gpu = (settings.backend == Backend::Gpu).then(find_gpu).transpose();
+    Ok(gpu.map_err(OrdinatesError::Gpu)?)
+}
+
+/// The name of the solver in files and reports.
+pub(super) fn solver_name(settings: &OrdinatesSettings) -> &'static str {
+    match settings.backend {
+        Backend::Cpu => "ordinates",
+        Backend::Gpu => "ordinates-gpu",
+    }
+}
+
+/// Light of another GPU may differ in its last digits: its name is a part of the key. Light of the CPU has no such part.
+fn key(
+    source: &LightSource,
+    bands: &[BandScatter],
+    settings: &OrdinatesSettings,
+    gpu: Option<String>,
+) -> Key {
     Key::new("light")
         .with("medium", hex(source.digest))
         .with("surfaces", of_bands(bands))
         .with_all(of_ordinates(settings))
+        .with_all(gpu.map(|name| ("gpu", name.into())))
 }
 
 /// Where the store has the light of a medium.
@@ -145,7 +172,12 @@ fn tell_open(work: &Work, reports: &[BandReport], settings: &OrdinatesSettings) 
     }
 }
 
-fn summary(species: &str, reports: &[BandReport], cached: bool) -> SolveSummary {
+fn summary(
+    species: &str,
+    reports: &[BandReport],
+    settings: &OrdinatesSettings,
+    cached: bool,
+) -> SolveSummary {
     let solves = |of: &dyn Fn(&&BandReport) -> bool| -> usize {
         reports.iter().filter(of).map(|report| report.solves as usize).sum()
     };
@@ -153,7 +185,7 @@ fn summary(species: &str, reports: &[BandReport], cached: bool) -> SolveSummary 
     let error = reports.iter().map(|report| report.error_estimate).fold(0.0, f64::max);
     SolveSummary {
         species: species.to_owned(),
-        solver: "ordinates",
+        solver: solver_name(settings),
         cached,
         solves: solves(&|_| true),
         converged: solves(&|report| report.converged),

@@ -40,8 +40,11 @@ pub(super) fn bake(
     let surfaces = Surfaces { bands: kept.iter().map(|&band| all.bands[band].clone()).collect() };
     let bases = bases_of(work, &physical.suns, settings.wanted.bases);
     let solve = physical.solve(settings.lattice, bases);
+    // Before the long work: there may be none.
+    let gpu = light::gpu_of(&solve)?;
     let model = Model::Physical { surfaces: surfaces.clone(), light: unsolved_light(&solve) };
     let mut meta = super::job::describe(&plant, &voxels, model);
+    gpu.iter().for_each(|_| meta.record(&provenance::SOLVER, light::solver_name(&solve).to_owned()));
     meta.record(&provenance::TOLERANCE, solve.tolerance);
     meta.record(&provenance::MAX_SWEEPS, solve.max_passes);
     meta.record(&provenance::PARTS, solve.parts);

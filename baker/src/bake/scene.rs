@@ -7,7 +7,7 @@ use flb_format::scene_light::{PLANT, Role, plant_digest};
 use flb_format::{Placement, SpeciesFields, provenance};
 use flb_scene::Step;
 use flb_scene::scene::{Scene, SceneSpecies, light_digest};
-use flb_transport::ordinates::{Ordinates, OrdinatesSettings, OrdinatesSolution, rays_for};
+use flb_transport::ordinates::{Backend, Ordinates, OrdinatesSettings, OrdinatesSolution, rays_for};
 use flb_transport::turbid::scatter;
 use serde_json::{Value, json};
 
@@ -60,6 +60,7 @@ impl SceneSettings {
             field,
             tolerance: self.tolerance,
             max_passes: self.max_passes,
+            backend: Backend::Cpu,
         }
     }
 }

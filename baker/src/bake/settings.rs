@@ -5,7 +5,7 @@ use flb_format::bases::BaseSet;
 use flb_format::light::{FieldKind, Light, LightError, SunBasis};
 use flb_format::sample::SOLID_OFFSET;
 use flb_transport::lattice::{DEFAULT_MAX_SWEEPS, SolveSettings, SolverKind};
-use flb_transport::ordinates::{Ordinates, OrdinatesSettings, rays_for};
+use flb_transport::ordinates::{Backend, Ordinates, OrdinatesSettings, rays_for};
 
 use crate::crown::LeafAngleChoice;
 use crate::plan::{Plan, PlanError};
@@ -116,6 +116,8 @@ pub struct PhysicalSettings {
     pub max_passes: u32,
     /// Suns, 0 to 22, that are traced by Monte Carlo in the same medium to judge the fields by.
     pub monte_carlo_suns: usize,
+    /// Machine that solves.
+    pub backend: Backend,
     /// Whether the bake returns what it solved as well: [`Baked::cloud`](super::Baked::cloud).
     pub keep_cloud: bool,
 }
@@ -180,6 +182,7 @@ impl PhysicalSettings {
             },
             max_passes: DEFAULT_MAX_SWEEPS,
             monte_carlo_suns: 0,
+            backend: Backend::Cpu,
             keep_cloud: false,
         }
     }
@@ -195,6 +198,7 @@ impl PhysicalSettings {
             field: self.field,
             tolerance: self.tolerance,
             max_passes: self.max_passes,
+            backend: self.backend,
         }
     }
 }

@@ -4,6 +4,8 @@ use flb_format::matter::Class;
 use flb_format::progress::Cancelled;
 use thiserror::Error;
 
+use crate::gpu::GpuError;
+
 /// Input that cannot be solved.
 #[derive(Debug, Clone, PartialEq, Error)]
 #[non_exhaustive]
@@ -110,74 +112,4 @@ pub enum SolveError {
     /// The caller stopped the work.
     #[error(transparent)]
     Cancelled(#[from] Cancelled),
-}
-
-/// Reason why there is no solution from a GPU.
-#[derive(Debug, Clone, PartialEq, Error)]
-#[non_exhaustive]
-pub enum GpuError {
-    /// Built without it.
-    #[error("this build has no GPU solver; build it with the feature `gpu`, or solve on the CPU")]
-    NotBuilt,
-    /// No GPU, and no software that stands in for one.
-    #[error(
-        "no GPU: looked for an adapter of {looked_for}: {message}. Install the GPU's Vulkan driver, or the software one (Debian: `apt-get install mesa-vulkan-drivers libvulkan1`), or solve on the CPU"
-    )]
-    NoAdapter {
-        /// The interfaces asked.
-        looked_for: String,
-        /// Errors of the interfaces.
-        message: String,
-    },
-    /// The GPU has not what WebGPU promises everywhere.
-    #[error("{adapter}: cannot be opened: {message}")]
-    Refused {
-        /// Name of the adapter.
-        adapter: String,
-        /// The reason.
-        message: String,
-    },
-    /// A single solve is too large for it.
-    #[error(
-        "{adapter}: the light of one solve over {sites} non-empty sites takes {needed} bytes, expected at most the {limit} that a shader can bind; solve on the CPU, or with a smaller lattice"
-    )]
-    TooLarge {
-        /// Name of the GPU.
-        adapter: String,
-        /// Non-empty sites.
-        sites: usize,
-        /// Bytes of the largest buffer for a single lane.
-        needed: u64,
-        /// Bytes that a buffer may have.
-        limit: u64,
-    },
-    /// The GPU's memory is full.
-    #[error("{adapter}: out of memory: {message}; solve on the CPU, or with a smaller lattice")]
-    OutOfMemory {
-        /// Name of the adapter.
-        adapter: String,
-        /// Message of the driver.
-        message: String,
-    },
-    /// The GPU was lost on the way, or its driver failed.
-    #[error("{adapter}: {message}")]
-    Failed {
-        /// Name of the adapter.
-        adapter: String,
-        /// Message of the driver.
-        message: String,
-    },
-}
-
-#[cfg(feature = "gpu")]
-impl From<flb_gpu::DeviceError> for GpuError {
-    fn from(error: flb_gpu::DeviceError) -> GpuError {
-        use flb_gpu::DeviceError;
-        match error {
-            DeviceError::NoAdapter { looked_for, message } => GpuError::NoAdapter { looked_for, message },
-            DeviceError::Refused { adapter, message } => GpuError::Refused { adapter, message },
-            DeviceError::OutOfMemory { adapter, message } => GpuError::OutOfMemory { adapter, message },
-            DeviceError::Failed { adapter, message } => GpuError::Failed { adapter, message },
-        }
-    }
 }

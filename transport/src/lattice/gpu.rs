@@ -24,21 +24,13 @@ use flb_format::{Field, Medium};
 use rayon::prelude::*;
 
 use super::dense::{self, Output};
-use super::error::{GpuError, SolveError};
+use super::error::SolveError;
 use super::kernel::{LANES, Lanes};
 use super::sites::{self, Sites};
 use super::sweep::{self, LANES_WRITTEN, Meter};
 use super::{Solution, SolveSettings, finish, solved_bases};
 use device::Gpu;
 use relax::Light;
-
-/// Name of the GPU that a solve will run on.
-///
-/// # Errors
-/// [`GpuError::NoAdapter`].
-pub(super) fn find() -> Result<String, GpuError> {
-    Ok(flb_gpu::find()?.name)
-}
 
 /// All bases of all bands. Input as [`solve`](super::solve) has checked it. An iteration counts as a sweep.
 pub(super) fn solve(

@@ -9,10 +9,11 @@
 //! The picks are the pivots of a Cholesky decomposition of the bands' scalar products. What an error of the weights
 //! does to a file is in its stated error: the suns that are held out are solved in every band.
 
-use flb_format::progress::{Cancelled, Progress};
+use flb_format::progress::Progress;
 use rayon::prelude::*;
 
 use super::band::Band;
+use super::error::OrdinatesError;
 use super::scatter::{Lit, Scattering};
 use super::suns::SolvePlan;
 
@@ -39,7 +40,8 @@ pub(super) struct AlikeBands {
 }
 
 /// Solves some bands.
-pub(super) type Solve<'a> = dyn Fn(&Scattering, &[Band], &Progress<'_>) -> Result<Vec<Lit>, Cancelled> + 'a;
+pub(super) type Solve<'a> =
+    dyn Fn(&Scattering, &[Band], &Progress<'_>) -> Result<Vec<Lit>, OrdinatesError> + 'a;
 
 impl AlikeBands {
     /// Solves what is needed of so many bands, `at_once` at a time. `direct` are the beams of the suns that are held
@@ -51,12 +53,12 @@ impl AlikeBands {
         [count, at_once]: [usize; 2],
         solve: &Solve,
         progress: &Progress<'_>,
-    ) -> Result<AlikeBands, Cancelled> {
+    ) -> Result<AlikeBands, OrdinatesError> {
         let fitted = whole.plan.fitted();
         let plan = SolvePlan::held_out_of(whole.plan);
         let beams = &whole.beams[fitted..];
         let held_out = Scattering { plan: &plan, beams, may_be_smooth: false, ..*whole };
-        let in_parts = |scattering: &Scattering, some: &[usize], from: f64| {
+        let in_parts = |scattering: &Scattering, some: &[usize], from: f64| -> Result<_, OrdinatesError> {
             let mut lit = Vec::with_capacity(some.len());
             for (at, part) in some.chunks(at_once).enumerate() {
                 let made = |share: f64| {

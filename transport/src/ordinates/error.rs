@@ -6,6 +6,7 @@ use flb_format::progress::Cancelled;
 use flb_format::sun::harmonics::MAX_DEGREE;
 
 use super::{MAX_RAYS, OrdinatesSettings, SunBasis, Surroundings};
+use crate::gpu::GpuError;
 use crate::turbid::BandScatter;
 
 /// Reason why nothing was solved.
@@ -65,6 +66,9 @@ pub enum OrdinatesError {
         /// The range.
         expected: &'static str,
     },
+    /// The GPU cannot do it.
+    #[error(transparent)]
+    Gpu(#[from] GpuError),
     /// The caller stopped the work.
     #[error(transparent)]
     Cancelled(#[from] Cancelled),

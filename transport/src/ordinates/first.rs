@@ -23,9 +23,7 @@ impl March {
         matter: [&SiteScattering; B],
         beams: &[&Beam],
     ) -> [Moments<M>; B] {
-        let lanes = |of: &dyn Fn(&Beam) -> f32| {
-            Lanes(std::array::from_fn(|lane| beams.get(lane).map_or(0.0, |beam| of(beam))))
-        };
+        let lanes = |of: &dyn Fn(&Beam) -> f32| lanes_of(beams, of);
         let lights: Vec<SiteLight> = (0..self.escape.len())
             .map(|site| {
                 let slope = |i: usize| lanes(&|beam| beam.slope[site][i]);
@@ -34,44 +32,12 @@ impl March {
             .collect();
         let albedos: Vec<Albedos<B>> =
             (0..self.escape.len()).map(|site| Albedos(matter.map(|matter| matter.albedos[site]))).collect();
-        // What leaf and wood of albedo 1 scatter of a beam into a direction, and what that is in all.
-        let phase_of = |phase: Phase, beam: &Beam, direction: [f32; 3]| {
-            let along = |i: usize| -beam.towards_sun[i] * f64::from(direction[i]);
-            phase.at(along(0) + along(1) + along(2)) as f32
-        };
-        let whole = matter.map(|matter| {
-            matter.phases.map(|phase| {
-                let ways = |axis: &SlantedTracks, beam: &Beam| {
-                    WAYS.map(|way| phase_of(phase, beam, axis.direction(way)))
-                };
-                let of = |beam: &Beam| {
-                    self.axes
-                        .iter()
-                        .map(|axis| axis.weight * ways(axis, beam).iter().sum::<f32>())
-                        .sum::<f32>()
-                };
-                lanes(&of)
-            })
-        });
-        let turned_by = |axis: &SlantedTracks| -> [[[Lanes; 2]; B]; 2] {
-            WAYS.map(|way| {
-                let direction = axis.direction(way);
-                std::array::from_fn(|band| {
-                    std::array::from_fn(|i| {
-                        let scattered = lanes(&|beam| phase_of(matter[band].phases[i], beam, direction));
-                        // An idle lane has no light: 0 of 0.
-                        Lanes(std::array::from_fn(|lane| {
-                            scattered.0[lane] / whole[band][i].0[lane].max(f32::MIN_POSITIVE)
-                        }))
-                    })
-                })
-            })
-        };
+        let turning = Turning::new(&self.axes, matter, beams);
         let of_axes = |axes: &[SlantedTracks]| {
             let mut first = vec![[[Lanes::default(); M]; B]; self.escape.len()];
             let (mut crossed, albedos, lights) = (Vec::new(), &albedos, &lights);
             for axis in axes {
-                let (turned, first, crossed) = (&turned_by(axis), &mut first, &mut crossed);
+                let (turned, first, crossed) = (&turning.by(axis), &mut first, &mut crossed);
                 Arch::new().dispatch(FirstJob { axis, albedos, turned, lights, first, crossed });
             }
             first
@@ -82,6 +48,61 @@ impl March {
         let first = by_halves(&self.axes, HALVINGS, &of_axes, &add);
         std::array::from_fn(|band| first.iter().map(|first| first[band]).collect())
     }
+}
+
+/// One number for each of up to [`LANES`] beams. An idle lane has 0.
+fn lanes_of(beams: &[&Beam], of: &dyn Fn(&Beam) -> f32) -> Lanes {
+    Lanes(std::array::from_fn(|lane| beams.get(lane).map_or(0.0, |beam| of(beam))))
+}
+
+/// What leaf and wood of albedo 1 scatter of each beam into a direction, in each band.
+pub(super) struct Turning<'a, const B: usize> {
+    phases: [[Phase; 2]; B],
+    beams: &'a [&'a Beam],
+    /// What that is in all directions.
+    whole: [[Lanes; 2]; B],
+}
+
+impl<'a, const B: usize> Turning<'a, B> {
+    pub(super) fn new(
+        axes: &[SlantedTracks],
+        matter: [&SiteScattering; B],
+        beams: &'a [&'a Beam],
+    ) -> Turning<'a, B> {
+        let phases = matter.map(|matter| matter.phases);
+        let whole_of = |phase: Phase| {
+            let ways = |axis: &SlantedTracks, beam: &Beam| {
+                WAYS.map(|way| scattered_into(phase, beam, axis.direction(way)))
+            };
+            let of = |beam: &Beam| {
+                axes.iter().map(|axis| axis.weight * ways(axis, beam).iter().sum::<f32>()).sum::<f32>()
+            };
+            lanes_of(beams, &of)
+        };
+        Turning { phases, beams, whole: phases.map(|phases| phases.map(whole_of)) }
+    }
+
+    /// Into the direction of an axis, and into the opposite one: `[way][band][leaf, wood]`.
+    pub(super) fn by(&self, axis: &SlantedTracks) -> [[[Lanes; 2]; B]; 2] {
+        WAYS.map(|way| {
+            let direction = axis.direction(way);
+            std::array::from_fn(|band| {
+                std::array::from_fn(|i| {
+                    let phase = self.phases[band][i];
+                    let scattered = lanes_of(self.beams, &|beam| scattered_into(phase, beam, direction));
+                    // An idle lane has no light: 0 of 0.
+                    Lanes(std::array::from_fn(|lane| {
+                        scattered.0[lane] / self.whole[band][i].0[lane].max(f32::MIN_POSITIVE)
+                    }))
+                })
+            })
+        })
+    }
+}
+
+fn scattered_into(phase: Phase, beam: &Beam, direction: [f32; 3]) -> f32 {
+    let along = |i: usize| -beam.towards_sun[i] * f64::from(direction[i]);
+    phase.at(along(0) + along(1) + along(2)) as f32
 }
 
 impl SlantedTracks {

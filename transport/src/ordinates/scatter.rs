@@ -21,7 +21,7 @@ use super::lanes::{LANES, Lanes};
 use super::march::March;
 use super::moments::Moments;
 use super::smooth::Smooth;
-use super::source_iteration::{arrives, source_iteration};
+use super::source_iteration::{Relaxed, arrives, source_iteration};
 use super::suns::SolvePlan;
 
 /// Scattered light of one band.
@@ -60,16 +60,7 @@ pub(super) struct Scattering<'a> {
 impl Scattering<'_> {
     /// Scattered light of all suns, and of a sky of fluence 1 where that is wanted, in each band.
     pub(super) fn scatter(&self, bands: &[Band], progress: &Progress<'_>) -> Result<Vec<Lit>, Cancelled> {
-        // The sky goes with the last suns, or by itself where they fill their lanes.
-        let chunks = self.beams.chunks(LANES).enumerate();
-        let mut groups: Vec<Group> =
-            chunks.map(|(at, beams)| Group { first_sun: at * LANES, beams, sky: false }).collect();
-        if self.open_sky.is_some() {
-            match groups.last_mut().filter(|_| !self.beams.len().is_multiple_of(LANES)) {
-                Some(last) => last.sky = true,
-                None => groups.push(Group { first_sun: self.beams.len(), beams: &[], sky: true }),
-            }
-        }
+        let groups = self.groups();
         let sets = sets(bands, groups.len());
         let (done, all) = (AtomicUsize::new(0), sets.len() * groups.len());
         let step = || progress((done.fetch_add(1, Ordering::Relaxed) + 1) as f64 / all as f64);
@@ -88,6 +79,20 @@ impl Scattering<'_> {
             sets.into_iter().flatten().zip(made.into_iter().flatten()).collect();
         of_bands.sort_by_key(|(band, _)| *band);
         Ok(of_bands.into_iter().map(|(_, lit)| lit).collect())
+    }
+
+    /// All suns. The sky goes with the last ones, or by itself where they fill their lanes.
+    pub(super) fn groups(&self) -> Vec<Group<'_>> {
+        let chunks = self.beams.chunks(LANES).enumerate();
+        let mut groups: Vec<Group> =
+            chunks.map(|(at, beams)| Group { first_sun: at * LANES, beams, sky: false }).collect();
+        if self.open_sky.is_some() {
+            match groups.last_mut().filter(|_| !self.beams.len().is_multiple_of(LANES)) {
+                Some(last) => last.sky = true,
+                None => groups.push(Group { first_sun: self.beams.len(), beams: &[], sky: true }),
+            }
+        }
+        groups
     }
 
     /// Up to [`TOGETHER`] bands.
@@ -111,14 +116,8 @@ impl Scattering<'_> {
         groups: &[Group],
         step: &Step,
     ) -> Result<Vec<Lit>, Cancelled> {
-        let smooth: Vec<Option<Smooth>> = bands
-            .iter()
-            .map(|band| Smooth::of(self.plan, self.settings, band).filter(|_| self.may_be_smooth))
-            .collect();
-        let sky: Option<Vec<[f32; M]>> = self.open_sky.map(|fluence| match M {
-            1 => fluence.iter().map(|fluence| [*fluence; M]).collect(),
-            _ => self.march.sky(self.below),
-        });
+        let smooth: Vec<Option<Smooth>> = bands.iter().map(|band| self.smooth(band)).collect();
+        let sky = self.sky::<M>();
         // One part per band.
         let of_group = |group: &[Group]| -> Result<Vec<Part<M>>, Cancelled> {
             let [group] = group else { unreachable!("groups are halved to the last") };
@@ -126,7 +125,10 @@ impl Scattering<'_> {
             let sky = sky.as_ref().filter(|_| group.sky);
             let made =
                 first.into_par_iter().zip(&bands).zip(&smooth).map(|((first, band), smooth)| match smooth {
-                    Some(smooth) => self.begun(smooth, band, group, first, sky),
+                    Some(smooth) => {
+                        let next = |light: &Moments<M>| arrives(self.march, &band.gains, light);
+                        self.begun(smooth, group, first, sky, next)
+                    }
                     None => self.solved(band, group, first, sky),
                 });
             let made = made.collect();
@@ -142,7 +144,30 @@ impl Scattering<'_> {
         };
         let parts = by_halves(groups, u32::MAX, &of_group, &add)?;
         let all = parts.into_par_iter().zip(bands).zip(smooth);
-        Ok(all.map(|((part, band), smooth)| self.joined(part, band, smooth.as_ref())).collect())
+        let OrdinatesSettings { tolerance, max_passes, .. } = *self.settings;
+        let joined = |((part, band), smooth): ((Part<M>, &Band), Option<Smooth>)| {
+            part.joined(smooth.as_ref(), |wanted| {
+                let relaxed = |wanted: &[Wanted<M>]| {
+                    let (first, sizes) = (firsts_of(wanted), sizes_of(wanted));
+                    source_iteration(self.march, &band.gains, &first, sizes, tolerance, max_passes)
+                };
+                Ok(wanted.par_chunks(LANES).map(relaxed).collect())
+            })
+        };
+        all.map(joined).collect()
+    }
+
+    /// Harmonics of the sun, where the rest of the light is solved for these.
+    pub(super) fn smooth(&self, band: &Band) -> Option<Smooth> {
+        Smooth::of(self.plan, self.settings, band).filter(|_| self.may_be_smooth)
+    }
+
+    /// Moments of the sky before any scattering, where that is wanted.
+    pub(super) fn sky<const M: usize>(&self) -> Option<Vec<[f32; M]>> {
+        self.open_sky.map(|fluence| match M {
+            1 => fluence.iter().map(|fluence| [*fluence; M]).collect(),
+            _ => self.march.sky(self.below),
+        })
     }
 
     /// All light of a group, solved to the end.
@@ -155,22 +180,24 @@ impl Scattering<'_> {
     ) -> Part<M> {
         if let Some(sky) = sky {
             let once = arrives(self.march, &band.gains, &lanes_of(&[sky]));
-            set_lane(&mut first, group.beams.len(), &lane_of(&once, 0));
+            group.set_sky(&mut first, &lane_of(&once, 0));
         }
         let OrdinatesSettings { tolerance, max_passes, .. } = *self.settings;
-        let solved = source_iteration(self.march, &band.gains, &first, [0.0; LANES], tolerance, max_passes);
-        let light = (0..group.lanes()).map(|lane| fluence(&solved.light, lane)).collect();
-        Part { light, passes: solved.passes, error_estimate: solved.error_estimate, ..Part::default() }
+        Part::solved(
+            group,
+            source_iteration(self.march, &band.gains, &first, [0.0; LANES], tolerance, max_passes),
+        )
     }
 
-    /// The light of a group that was scattered once or twice, and what the rest is made of.
-    fn begun<const M: usize>(
+    /// The light of a group that was scattered once or twice, and what the rest is made of. `arrives` scatters light
+    /// once more.
+    pub(super) fn begun<const M: usize>(
         &self,
         smooth: &Smooth,
-        band: &Band,
         group: &Group,
         mut first: Moments<M>,
         sky: Option<&Vec<[f32; M]>>,
+        arrives: impl FnOnce(&Moments<M>) -> Moments<M>,
     ) -> Part<M> {
         // Of suns that are held out and of the sky, all is solved together with the rest of the others.
         let fitted = self.plan.fitted().saturating_sub(group.first_sun).min(group.beams.len());
@@ -179,9 +206,9 @@ impl Scattering<'_> {
         if fitted > 0 || sky.is_some() {
             // The light of the sky goes along, one scattering behind.
             if let Some(sky) = sky {
-                set_lane(&mut first, group.beams.len(), sky);
+                group.set_sky(&mut first, sky);
             }
-            let next = arrives(self.march, &band.gains, &first);
+            let next = arrives(&first);
             part.apart.extend(sky.map(|_| lane_of(&next, group.beams.len())));
             let both = |lane: usize| {
                 first.iter().zip(&next).map(|(first, next)| first[0].0[lane] + next[0].0[lane]).collect()
@@ -192,25 +219,42 @@ impl Scattering<'_> {
         }
         part
     }
+}
 
-    /// All light of a band, from what its groups made.
-    fn joined<const M: usize>(&self, part: Part<M>, band: &Band, smooth: Option<&Smooth>) -> Lit {
-        let Part { mut light, passes, error_estimate, smooth: sums, apart } = part;
-        let Some(smooth) = smooth else { return Lit::solved(light, passes, error_estimate) };
+/// Light that is solved for: its first scattering, and below which size errors do not count.
+pub(super) type Wanted<'a, const M: usize> = (&'a Vec<[f32; M]>, f64);
+
+/// First scatterings of up to [`LANES`] lights side by side.
+pub(super) fn firsts_of<const M: usize>(wanted: &[Wanted<M>]) -> Moments<M> {
+    let firsts: Vec<_> = wanted.iter().map(|(first, _)| *first).collect();
+    lanes_of(&firsts)
+}
+
+/// Sizes of up to [`LANES`] lights.
+pub(super) fn sizes_of<const M: usize>(wanted: &[Wanted<M>]) -> [f64; LANES] {
+    std::array::from_fn(|lane| wanted.get(lane).map_or(0.0, |(_, size)| *size))
+}
+
+impl<const M: usize> Part<M> {
+    /// Light of a group that was solved to the end.
+    pub(super) fn solved(group: &Group, solved: Relaxed<M>) -> Part<M> {
+        let Relaxed { light, passes, error_estimate } = solved;
+        let light = (0..group.lanes()).map(|lane| fluence(&light, lane)).collect();
+        Part { light, passes, error_estimate, ..Part::default() }
+    }
+
+    /// All light of a band, from what its groups made. `relax` solves for every [`LANES`] of what is wanted.
+    pub(super) fn joined<E>(
+        self,
+        smooth: Option<&Smooth>,
+        relax: impl FnOnce(&[Wanted<M>]) -> Result<Vec<Relaxed<M>>, E>,
+    ) -> Result<Lit, E> {
+        let Part { mut light, passes, error_estimate, smooth: sums, apart } = self;
+        let Some(smooth) = smooth else { return Ok(Lit::solved(light, passes, error_estimate)) };
         let size = smooth.mean_square(&light);
-        // What is solved, and below which size errors do not count.
-        let wanted: Vec<(&Vec<[f32; M]>, f64)> =
+        let wanted: Vec<Wanted<M>> =
             sums.iter().map(|sum| (sum, size)).chain(apart.iter().map(|first| (first, 0.0))).collect();
-        let OrdinatesSettings { tolerance, max_passes, .. } = *self.settings;
-        let solved: Vec<_> = wanted
-            .par_chunks(LANES)
-            .map(|wanted| {
-                let first: Vec<_> = wanted.iter().map(|(first, _)| *first).collect();
-                let first = lanes_of(&first);
-                let sizes = std::array::from_fn(|lane| wanted.get(lane).map_or(0.0, |(_, size)| *size));
-                source_iteration(self.march, &band.gains, &first, sizes, tolerance, max_passes)
-            })
-            .collect();
+        let solved = relax(&wanted)?;
         let further = solved.iter().map(|solved| solved.passes).max().unwrap_or(0);
         let error_estimate = solved.iter().map(|solved| solved.error_estimate).fold(0.0, f64::max);
         let of_wanted = |at: usize| fluence(&solved[at / LANES].light, at % LANES);
@@ -221,7 +265,7 @@ impl Scattering<'_> {
             .collect();
         smooth.add_to_suns(&rest, &mut light);
         light.extend((sums.len()..wanted.len()).map(of_wanted));
-        Lit::solved(light, passes + further, error_estimate)
+        Ok(Lit::solved(light, passes + further, error_estimate))
     }
 }
 
@@ -229,22 +273,29 @@ impl Scattering<'_> {
 type Step<'a> = dyn Fn() -> Result<(), Cancelled> + Sync + 'a;
 
 /// Suns that go side by side, and perhaps the sky.
-struct Group<'a> {
+pub(super) struct Group<'a> {
     /// Number of the first.
     first_sun: usize,
-    beams: &'a [&'a Beam],
-    sky: bool,
+    pub beams: &'a [&'a Beam],
+    pub sky: bool,
 }
 
 impl Group<'_> {
     fn lanes(&self) -> usize {
         self.beams.len() + usize::from(self.sky)
     }
+
+    /// Puts light of the sky beside that of the suns.
+    pub(super) fn set_sky<const M: usize>(&self, light: &mut Moments<M>, sky: &[[f32; M]]) {
+        for (light, sky) in light.iter_mut().zip(sky) {
+            light.iter_mut().zip(sky).for_each(|(lanes, value)| lanes.0[self.beams.len()] = *value);
+        }
+    }
 }
 
 /// Light of some groups in a band.
 #[derive(Default)]
-struct Part<const M: usize> {
+pub(super) struct Part<const M: usize> {
     /// `[lane][site]`: all of it, or what was scattered once or twice, of the suns that fields are made from.
     light: Vec<Vec<f32>>,
     passes: u32,
@@ -257,7 +308,7 @@ struct Part<const M: usize> {
 
 impl<const M: usize> Part<M> {
     /// Adds the groups that come next.
-    fn add(&mut self, next: Part<M>) {
+    pub(super) fn add(&mut self, next: Part<M>) {
         self.light.extend(next.light);
         self.passes = self.passes.max(next.passes);
         self.error_estimate = self.error_estimate.max(next.error_estimate);
@@ -270,18 +321,12 @@ fn fluence<const M: usize>(light: &Moments<M>, lane: usize) -> Vec<f32> {
     light.iter().map(|moments| moments[0].0[lane]).collect()
 }
 
-fn lane_of<const M: usize>(light: &Moments<M>, lane: usize) -> Vec<[f32; M]> {
+pub(super) fn lane_of<const M: usize>(light: &Moments<M>, lane: usize) -> Vec<[f32; M]> {
     light.iter().map(|moments| moments.map(|lanes| lanes.0[lane])).collect()
 }
 
-fn set_lane<const M: usize>(light: &mut Moments<M>, lane: usize, of_lane: &[[f32; M]]) {
-    for (light, of_lane) in light.iter_mut().zip(of_lane) {
-        light.iter_mut().zip(of_lane).for_each(|(lanes, value)| lanes.0[lane] = *value);
-    }
-}
-
 /// Up to [`LANES`] lights side by side.
-fn lanes_of<const M: usize>(lights: &[&Vec<[f32; M]>]) -> Moments<M> {
+pub(super) fn lanes_of<const M: usize>(lights: &[&Vec<[f32; M]>]) -> Moments<M> {
     let sites = lights[0].len();
     let of = |site: usize, a: usize| {
         Lanes(std::array::from_fn(|lane| lights.get(lane).map_or(0.0, |light| light[site][a])))

@@ -14,7 +14,7 @@ use super::march::March;
 use super::moments::{Exchange, Moments, ScatteringMoments, degree};
 
 /// Steps that the mixing remembers (Anderson, 1965).
-const MEMORY: usize = 2;
+pub(super) const MEMORY: usize = 2;
 
 /// Scattered light and how it was reached.
 pub(super) struct Relaxed<const M: usize> {
@@ -62,28 +62,48 @@ pub(super) fn source_iteration<const M: usize>(
     let mut sites = Vec::with_capacity(first.len());
     let mut step = vec![[Lanes::default(); M]; first.len()];
     let mut mixing = Mixing { before: None, kept: Vec::new() };
-    let albedo = gains.albedo();
-    let (mut passes, mut error_estimate, mut residual_before) = (0, f64::INFINITY, f64::INFINITY);
-    while passes < most {
+    let mut course = Course::new(gains);
+    while course.passes < most {
         sites.clear();
         sites.extend(sending_out(gains, &light));
         march.pass(&mut sites);
-        passes += 1;
-        let residual = become_step(march, gains, first, &sites, &light, &mut step, sizes);
-        let rate = (residual / residual_before).min(0.999);
-        residual_before = residual;
-        let of_rate = if passes > 2 { residual / (1.0 - rate) } else { f64::INFINITY };
-        error_estimate = if albedo < 1.0 { of_rate.min(residual / (1.0 - albedo)) } else { of_rate };
-        if residual == 0.0 {
-            error_estimate = 0.0;
-        }
-        if error_estimate <= tolerance {
+        course.note(become_step(march, gains, first, &sites, &light, &mut step, sizes));
+        if course.error_estimate <= tolerance {
             add_each(light.as_flattened_mut(), step.as_flattened());
             break;
         }
         mixing.advance(&mut light, &step);
     }
-    Relaxed { light, passes, error_estimate }
+    Relaxed { light, passes: course.passes, error_estimate: course.error_estimate }
+}
+
+/// How far a group of suns has come.
+pub(super) struct Course {
+    albedo: f64,
+    pub passes: u32,
+    /// As of [`Relaxed::error_estimate`].
+    pub error_estimate: f64,
+    residual: f64,
+}
+
+impl Course {
+    pub(super) fn new(gains: &ScatteringMoments) -> Course {
+        let unknown = f64::INFINITY;
+        Course { albedo: gains.albedo(), passes: 0, error_estimate: unknown, residual: unknown }
+    }
+
+    /// Takes the residual that a pass left.
+    pub(super) fn note(&mut self, residual: f64) {
+        self.passes += 1;
+        let rate = (residual / self.residual).min(0.999);
+        self.residual = residual;
+        let of_rate = if self.passes > 2 { residual / (1.0 - rate) } else { f64::INFINITY };
+        self.error_estimate =
+            if self.albedo < 1.0 { of_rate.min(residual / (1.0 - self.albedo)) } else { of_rate };
+        if residual == 0.0 {
+            self.error_estimate = 0.0;
+        }
+    }
 }
 
 /// `step` becomes (x_1 + K W x - x) / (1 - W (1 - escape)). Gives its size relative to
@@ -110,6 +130,11 @@ fn become_step<const M: usize>(
             norm[lane] += light * light;
         }
     }
+    residual(&change, &norm, &sizes)
+}
+
+/// Size of a step relative to the light, from their sums of squares: the worst of the lanes.
+pub(super) fn residual(change: &[f64; LANES], norm: &[f64; LANES], sizes: &[f64; LANES]) -> f64 {
     let relative = |lane: usize| match (change[lane], norm[lane].max(sizes[lane])) {
         (0.0, _) => 0.0,
         (_, 0.0) => 1.0,
@@ -165,23 +190,29 @@ impl<const M: usize> Mixing<M> {
             .map(|(_, a)| self.kept.iter().map(|(_, b)| b).chain([step]).map(|b| dot(a, b)).collect())
             .collect();
         for lane in 0..LANES {
-            let p = |i: usize, j: usize| products[i][j][lane];
-            match products.len() {
-                1 if p(0, 0) > 0.0 => gamma[0][lane] = (p(0, 1) / p(0, 0)) as f32,
-                2 if p(0, 0) > 0.0 && p(1, 1) > 0.0 => {
-                    let determinant = p(0, 0) * p(1, 1) - p(0, 1) * p(1, 0);
-                    // Nearly parallel changes: the last one alone.
-                    if determinant > 1e-8 * p(0, 0) * p(1, 1) {
-                        gamma[0][lane] = ((p(0, 2) * p(1, 1) - p(1, 2) * p(0, 1)) / determinant) as f32;
-                        gamma[1][lane] = ((p(1, 2) * p(0, 0) - p(0, 2) * p(1, 0)) / determinant) as f32;
-                    } else {
-                        gamma[1][lane] = (p(1, 2) / p(1, 1)) as f32;
-                    }
-                }
-                _ => {}
-            }
+            let of_lane = least_squares(products.len(), |i, j| products[i][j][lane]);
+            gamma.iter_mut().zip(of_lane).for_each(|(gamma, of_lane)| gamma[lane] = of_lane);
         }
         gamma
+    }
+}
+
+/// Weights of the `kept` last changes, the oldest first. `p` gives the products of the changes of f with each other,
+/// and with f itself, which comes last.
+pub(super) fn least_squares(kept: usize, p: impl Fn(usize, usize) -> f64) -> [f32; MEMORY] {
+    match kept {
+        1 if p(0, 0) > 0.0 => [(p(0, 1) / p(0, 0)) as f32, 0.0],
+        2 if p(0, 0) > 0.0 && p(1, 1) > 0.0 => {
+            let determinant = p(0, 0) * p(1, 1) - p(0, 1) * p(1, 0);
+            // Nearly parallel changes: the last one alone.
+            if determinant > 1e-8 * p(0, 0) * p(1, 1) {
+                let first = ((p(0, 2) * p(1, 1) - p(1, 2) * p(0, 1)) / determinant) as f32;
+                [first, ((p(1, 2) * p(0, 0) - p(0, 2) * p(1, 0)) / determinant) as f32]
+            } else {
+                [0.0, (p(1, 2) / p(1, 1)) as f32]
+            }
+        }
+        _ => [0.0; MEMORY],
     }
 }
 

@@ -64,6 +64,7 @@ const LATTICE18: OrdinatesSettings = OrdinatesSettings {
     field: FieldKind::Scattered,
     tolerance: 1e-4,
     max_passes: 300,
+    backend: Backend::Cpu,
 };
 /// The same suns, marched along as many ordinates as light is by default.
 const FINE18: OrdinatesSettings = OrdinatesSettings { ordinates: Ordinates::Lebedev110, ..LATTICE18 };

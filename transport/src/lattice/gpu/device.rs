@@ -1,7 +1,7 @@
 //! A GPU with the stages of the solver compiled on it.
 
-use super::super::error::GpuError;
 use super::stages::{self, Stages};
+use crate::gpu::GpuError;
 
 /// Light of one group is kept in buffers of at most so many bytes each, whatever the GPU would allow: the host holds a
 /// copy of one when a group is done.

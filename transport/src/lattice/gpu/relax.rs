@@ -13,12 +13,14 @@ use flb_format::progress::Cancelled;
 use super::super::SolveSettings;
 use super::super::course::{CROSSINGS, Course};
 use super::super::dense;
-use super::super::error::{GpuError, SolveError};
+use super::super::error::SolveError;
 use super::super::kernel::{LANES, Lanes};
 use super::super::sites::{Domain, Sites};
 use super::device::Gpu;
 use super::layout::{self, Params};
-use super::stages::{PARTS, WORKGROUP};
+use super::stages::PARTS;
+use crate::gpu::GpuError;
+use crate::gpu::buffers::{WORD, empty, filled, workgroups};
 
 /// Iterations between two looks at the residuals. Even, so that a lane taken off lies in the first buffer of light.
 const BATCH: u32 = 8;
@@ -31,8 +33,6 @@ const PARAMS_STRIDE: u64 = 256;
 
 /// Bytes read back at a time.
 const PIECE_BYTES: u64 = 16 << 20;
-
-const WORD: u64 = size_of::<f32>() as u64;
 
 /// The rows of a domain as [`dense::write`](super::super::dense::write) takes them, boundary light included, for every
 /// [`LANES`] lanes.
@@ -72,8 +72,8 @@ pub(super) fn upload(gpu: &Gpu, sites: &Sites) -> Result<SharedBuffers, GpuError
     let words: Vec<u32> =
         (0..domain.len()).flat_map(|site| layout::words(layout::site_fields(domain, site))).collect();
     let matter = SharedBuffers {
-        links: filled(gpu, "links", domain.links.as_flattened()),
-        sites: filled(gpu, "sites", &words),
+        links: filled(&gpu.opened, "links", domain.links.as_flattened()),
+        sites: filled(&gpu.opened, "sites", &words),
     };
     gpu.opened.check()?;
     Ok(matter)
@@ -148,9 +148,9 @@ impl GroupBuffers {
             let fields = move |lane: &(u8, u32)| layout::gain_fields(&optics.bands[lane.1 as usize], class);
             lanes.iter().flat_map(move |lane| layout::words(fields(lane)))
         };
-        let gains = filled(gpu, "gains", &(0..2).flat_map(of_class).collect::<Vec<u32>>());
+        let gains = filled(&gpu.opened, "gains", &(0..2).flat_map(of_class).collect::<Vec<u32>>());
         let rows_bytes = lane_rows_bytes(sites) * count;
-        let rows = [0, 1].map(|_| empty(gpu, "light", rows_bytes, storage));
+        let rows = [0, 1].map(|_| empty(&gpu.opened, "light", rows_bytes, storage));
         let boundary: Vec<u32> = (1..=MOVING)
             .flat_map(|m| lanes.iter().map(move |lane| dense::is_lit(usize::from(lane.0), m)))
             .map(|lit| if lit { 1.0_f32.to_bits() } else { 0 })
@@ -159,13 +159,14 @@ impl GroupBuffers {
             let place = (sites * MOVING * lanes.len()) as u64 * WORD;
             gpu.opened.queue.write_buffer(rows, place, bytemuck::cast_slice(&boundary));
         }
-        let phi = empty(gpu, "phi", sites as u64 * count * 2 * WORD, storage);
+        let phi = empty(&gpu.opened, "phi", sites as u64 * count * 2 * WORD, storage);
         let sums_bytes = lane_sums_bytes() * count;
-        let sums = empty(gpu, "sums", sums_bytes, storage);
-        let picks = empty(gpu, "picks", count * WORD, storage);
-        let params = empty(gpu, "params", u64::from(BATCH) * PARAMS_STRIDE, Usage::UNIFORM | Usage::COPY_DST);
+        let sums = empty(&gpu.opened, "sums", sums_bytes, storage);
+        let picks = empty(&gpu.opened, "picks", count * WORD, storage);
+        let params =
+            empty(&gpu.opened, "params", u64::from(BATCH) * PARAMS_STRIDE, Usage::UNIFORM | Usage::COPY_DST);
         let staging_bytes = PIECE_BYTES.max(sums_bytes);
-        let staging = empty(gpu, "staging", staging_bytes, Usage::MAP_READ | Usage::COPY_DST);
+        let staging = empty(&gpu.opened, "staging", staging_bytes, Usage::MAP_READ | Usage::COPY_DST);
         let bindings = [0, 1].map(|side| {
             let one_params = wgpu::BindingResource::Buffer(wgpu::BufferBinding {
                 buffer: &params,
@@ -274,30 +275,4 @@ impl GroupBuffers {
         }
         Ok(light)
     }
-}
-
-/// Workgroups for so many invocations, in rows as long as WebGPU allows.
-fn workgroups(invocations: usize) -> [u32; 2] {
-    const LONGEST: u32 = 65_535;
-    let count = invocations.div_ceil(WORKGROUP as usize) as u32;
-    let rows = count.div_ceil(LONGEST).max(1);
-    [count.div_ceil(rows), rows]
-}
-
-fn empty(gpu: &Gpu, label: &str, size: u64, usage: wgpu::BufferUsages) -> wgpu::Buffer {
-    gpu.opened.device.create_buffer(&wgpu::BufferDescriptor {
-        label: Some(label),
-        size,
-        usage,
-        mapped_at_creation: false,
-    })
-}
-
-/// A buffer for stages to read. Never of size 0, which cannot be bound.
-fn filled(gpu: &Gpu, label: &str, words: &[u32]) -> wgpu::Buffer {
-    let bytes: &[u8] = bytemuck::cast_slice(words);
-    let usage = wgpu::BufferUsages::STORAGE | wgpu::BufferUsages::COPY_DST;
-    let buffer = empty(gpu, label, (bytes.len() as u64).max(WORD), usage);
-    gpu.opened.queue.write_buffer(&buffer, 0, bytes);
-    buffer
 }

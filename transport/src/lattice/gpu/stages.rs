@@ -1,7 +1,5 @@
 //! The shaders: WGSL -> pipelines that share one bind group layout.
 
-/// Invocations of a workgroup; `WORKGROUP` of types.wgsl.
-pub(super) const WORKGROUP: u32 = 64;
 /// Runs of sites whose sums `measure` forms; `PARTS` of types.wgsl.
 pub(super) const PARTS: u32 = 1024;
 

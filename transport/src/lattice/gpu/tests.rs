@@ -8,12 +8,12 @@ use flb_format::bases::BaseSet;
 use flb_format::matter::{Class, ClassOptics, Optics};
 use flb_format::progress::Cancelled;
 
-use super::super::error::GpuError;
 use super::super::kernel::LANES;
 use super::super::tests::{differences, one_band, optics, oracle};
 use super::super::{BaseReport, Solution, SolveError, SolveSettings, SolverKind, media, sites, solve};
 use super::device::{self, Gpu};
 use super::{relax, solve_on, twin};
+use crate::gpu::GpuError;
 
 /// Between the GPU and the other solvers, relative L2 over the non-empty sites.
 const ALIKE: f64 = 1e-4;

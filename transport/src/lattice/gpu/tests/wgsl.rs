@@ -7,8 +7,9 @@ use naga::{Literal, Module, TypeInner};
 use super::super::super::sites;
 use super::super::super::sweep::MIN_LOSS;
 use super::super::layout::{self, Params};
-use super::super::stages::{PARTS, SOURCES, WORKGROUP};
+use super::super::stages::{PARTS, SOURCES};
 use super::*;
+use crate::gpu::buffers::WORKGROUP;
 
 fn parse(source: &str) -> Result<Module, String> {
     let module = naga::front::wgsl::parse_str(source).map_err(|error| error.emit_to_string(source))?;

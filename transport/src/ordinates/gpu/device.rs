@@ -1,0 +1,24 @@
+//! A GPU with the stages of the solver compiled on it.
+
+use super::stages::{self, Stages};
+use crate::gpu::GpuError;
+
+/// Buffers take at most so many bytes each, whatever the GPU would allow.
+const MAX_BUFFER_BYTES: u64 = 768 << 20;
+
+/// An open GPU.
+pub(in crate::ordinates) struct Gpu {
+    pub opened: flb_gpu::Gpu,
+    pub stages: Stages,
+    /// Bytes of the largest buffer that a stage can bind.
+    pub buffer_bytes: u64,
+}
+
+/// Opens the GPU that [`flb_gpu::find`] finds.
+pub(in crate::ordinates) fn open() -> Result<Gpu, GpuError> {
+    let opened = flb_gpu::Gpu::open_with_buffers(wgpu::Features::empty(), MAX_BUFFER_BYTES)?;
+    let stages = stages::compile(&opened.device);
+    opened.check()?;
+    let buffer_bytes = opened.largest_buffer_bytes();
+    Ok(Gpu { opened, stages, buffer_bytes })
+}

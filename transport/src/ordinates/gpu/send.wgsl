@@ -1,0 +1,28 @@
+// Light at the sites -> what they send out of it, W x. Nothing has arrived yet.
+
+// [site]: what is scattered of the moments of degree 0, 1 and 2, and the share that escapes the site.
+@group(0) @binding(2) var<storage, read> matter: array<vec4<f32>>;
+// [site][moment][lane], as those below.
+@group(0) @binding(3) var<storage, read> light: array<f32>;
+@group(0) @binding(4) var<storage, read_write> source: array<f32>;
+@group(0) @binding(5) var<storage, read_write> sums: array<f32>;
+
+@compute @workgroup_size(64)
+fn send(
+    @builtin(workgroup_id) workgroup: vec3<u32>,
+    @builtin(num_workgroups) workgroups: vec3<u32>,
+    @builtin(local_invocation_index) local: u32,
+) {
+    let at = invocation(workgroup, workgroups, local);
+    if at >= params.sites * params.lanes {
+        return;
+    }
+    let site = at / params.lanes;
+    let gains = matter[site];
+    for (var a = 0u; a < params.moments; a++) {
+        let place = at_moment(site, a, at % params.lanes);
+        let gain = select(select(gains.z, gains.y, is_odd(a)), gains.x, a == 0u);
+        source[place] = gain * light[place];
+        sums[place] = 0.0;
+    }
+}
