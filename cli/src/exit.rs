@@ -286,7 +286,20 @@ impl From<CrownError> for Failure {
 
 impl From<OrdinatesError> for Failure {
     fn from(error: OrdinatesError) -> Failure {
-        Failure::new(USAGE, error)
+        let code = match &error {
+            OrdinatesError::Gpu(error) => code_of_gpu(error),
+            _ => USAGE,
+        };
+        Failure::new(code, error)
+    }
+}
+
+/// No GPU that solves, one that is too small, or one that failed.
+fn code_of_gpu(error: &GpuError) -> u8 {
+    match error {
+        GpuError::NotBuilt | GpuError::NoAdapter { .. } | GpuError::Refused { .. } => UNSUPPORTED,
+        GpuError::TooLarge { .. } | GpuError::OutOfMemory { .. } => LIMIT,
+        _ => INTERNAL,
     }
 }
 
@@ -319,11 +332,7 @@ impl From<SolveError> for Failure {
     fn from(error: SolveError) -> Failure {
         let code = match &error {
             SolveError::Length { .. } | SolveError::Class { .. } | SolveError::Border { .. } => INTERNAL,
-            SolveError::Gpu(GpuError::NotBuilt | GpuError::NoAdapter { .. } | GpuError::Refused { .. }) => {
-                UNSUPPORTED
-            }
-            SolveError::Gpu(GpuError::TooLarge { .. } | GpuError::OutOfMemory { .. }) => LIMIT,
-            SolveError::Gpu(GpuError::Failed { .. }) => INTERNAL,
+            SolveError::Gpu(error) => code_of_gpu(error),
             _ => USAGE,
         };
         Failure::new(code, error)

@@ -90,7 +90,8 @@ pub(super) fn solver_name(settings: &OrdinatesSettings) -> &'static str {
     }
 }
 
-/// Light of another GPU may differ in its last digits: its name is a part of the key. Light of the CPU has no such part.
+/// Light of another GPU may differ in its last digits: its name is a part of the key. Light of the CPU has no such
+/// part.
 fn key(
     source: &LightSource,
     bands: &[BandScatter],

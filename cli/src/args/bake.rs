@@ -46,8 +46,8 @@ pub(crate) struct BakeArgs {
     /// Sweeps after which a solve gives up
     #[arg(long, default_value_t = flb_transport::lattice::DEFAULT_MAX_SWEEPS, value_name = "N")]
     pub max_sweeps: u32,
-    /// Where to solve; `paper` only. `gpu` has a solver of its own, f32, over non-empty sites; its bytes can differ in
-    /// the last digits from one GPU to another
+    /// Where to solve. The light of a GPU is that of the CPU but for its last digits; its bytes can differ from one GPU
+    /// to another
     #[arg(long, value_enum, default_value_t = BackendArg::Cpu)]
     pub backend: BackendArg,
     /// Solver of the transport on the CPU; `paper` only. `literal` is the papers' iteration in f64, slow, for comparing
@@ -96,6 +96,8 @@ pub(crate) enum BackendArg {
     Cpu,
     /// The GPU that the system ranks highest, through Vulkan, Metal, Direct3D 12 or OpenGL
     Gpu,
+    /// That GPU if it is hardware, else the CPU
+    Auto,
 }
 
 impl BakeArgs {

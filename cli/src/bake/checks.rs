@@ -36,8 +36,8 @@ pub(crate) fn check_names(args: &BakeArgs, reader: &MeshReader) -> Result<Vec<St
 pub(crate) fn check_settings(args: &BakeArgs) -> Result<(), Failure> {
     let refuse = |message: String| Err(Failure::new(USAGE, message));
     args.lattice.map_or(Ok(()), check_lattice)?;
-    if args.backend == BackendArg::Gpu && args.solver != SolverArg::Auto {
-        let message = "--solver chooses among the solvers of the CPU, and --backend gpu has its own: leave one of them out";
+    if args.backend != BackendArg::Cpu && args.solver != SolverArg::Auto {
+        let message = "--solver chooses among the solvers of the CPU, and --backend gpu (or auto) has its own: leave one of them out";
         return refuse(message.to_owned());
     }
     let (names, meshes) = (args.name.len(), args.meshes.len());

@@ -3,7 +3,7 @@
 use flb_baker::bake::{ModelSettings, PaperSettings, PhysicalSettings};
 use flb_format::light::FieldKind;
 use flb_transport::lattice::{SolverKind, find_gpu};
-use flb_transport::ordinates::{MAX_RAYS, NamedSuns};
+use flb_transport::ordinates::{Backend, MAX_RAYS, NamedSuns};
 
 use super::limits::{check_end, ordinates_of};
 use crate::args::{BackendArg, BakeArgs, ModelArg, SolverArg};
@@ -27,7 +27,7 @@ fn paper(args: &BakeArgs) -> Result<PaperSettings, Failure> {
     let preset = PaperSettings::of(args.quality());
     Ok(PaperSettings {
         solver: match args.solver {
-            SolverArg::Auto if args.backend == BackendArg::Gpu => SolverKind::Gpu,
+            SolverArg::Auto if on_gpu(args) => SolverKind::Gpu,
             SolverArg::Auto | SolverArg::Sweep => SolverKind::Sweep,
             SolverArg::Explicit => SolverKind::Explicit,
             SolverArg::Literal => SolverKind::Literal,
@@ -40,9 +40,8 @@ fn paper(args: &BakeArgs) -> Result<PaperSettings, Failure> {
 fn physical(args: &BakeArgs) -> Result<PhysicalSettings, Failure> {
     let refuse = |message: String| Err(Failure::new(USAGE, message));
     let flags = &args.model;
-    if args.solver != SolverArg::Auto || args.backend == BackendArg::Gpu {
-        let message =
-            "--solver and --backend gpu are for --model paper; the physical model has one solver, on the CPU";
+    if args.solver != SolverArg::Auto {
+        let message = "--solver is for --model paper; the physical model has one solver";
         return refuse(message.to_owned());
     }
     let preset = PhysicalSettings::of(args.quality());
@@ -65,6 +64,7 @@ fn physical(args: &BakeArgs) -> Result<PhysicalSettings, Failure> {
         tolerance,
         max_passes: args.max_sweeps,
         monte_carlo_suns: flags.monte_carlo.into(),
+        backend: if on_gpu(args) { Backend::Gpu } else { Backend::Cpu },
         keep_cloud: false,
     })
 }
@@ -77,10 +77,28 @@ pub(crate) fn without_scattered_light(args: &BakeArgs) -> Option<&'static str> {
     }
 }
 
-/// Says on stderr which GPU solves, where one is asked for.
+/// Whether a GPU solves. Where that is left open, one that is hardware does: software is slower than the cores that it
+/// runs on.
+fn on_gpu(args: &BakeArgs) -> bool {
+    match args.backend {
+        BackendArg::Cpu => false,
+        BackendArg::Gpu => true,
+        #[cfg(feature = "gpu")]
+        BackendArg::Auto => flb_gpu::find().is_ok_and(|found| !found.is_software),
+        #[cfg(not(feature = "gpu"))]
+        BackendArg::Auto => false,
+    }
+}
+
+/// Says on stderr which GPU solves, where one is asked for, and where none that is hardware was found.
 pub(crate) fn say_device(args: &BakeArgs) -> Result<(), Failure> {
-    if args.backend == BackendArg::Gpu {
+    if on_gpu(args) {
         say!("solving on {}", find_gpu()?);
+    } else if args.backend == BackendArg::Auto {
+        match find_gpu() {
+            Ok(software) => say!("solving on the CPU: {software} is software"),
+            Err(error) => say!("solving on the CPU: {error}"),
+        }
     }
     Ok(())
 }

@@ -5,6 +5,9 @@ use crate::flb::{Folder, PAPER, SMALL};
 use crate::picture::{self, pixels};
 use crate::schema;
 
+/// Lattice and voxels of bakes with the default model: software that stands in for a GPU is slow.
+const TINY: [&str; 6] = ["--lattice", "16", "--voxels", "128", "--rays", "1"];
+
 #[test]
 fn the_gpu_bakes_what_the_cpu_does() {
     let folder = Folder::with_plants(&["shrub"]);
@@ -27,20 +30,74 @@ fn the_gpu_bakes_what_the_cpu_does() {
 }
 
 #[test]
+fn the_gpu_bakes_the_default_model_as_the_cpu_does() {
+    let folder = Folder::with_plants(&["shrub"]);
+    let bake = |out: &str, more: &[&str]| {
+        let words =
+            ["bake", "shrub.glb", "-o", out, "--ordinates", "18", "--suns", "sh1s", "--codec", "raw-f32"];
+        folder.flb(&[&words[..], &TINY, more].concat()).expect_code(0)
+    };
+    bake("cpu.flb", &[]);
+    let run = bake("gpu.flb", &["--backend", "gpu", "--json"]).says(&["flb: solving on "]);
+    let json = run.json();
+    assert_eq!(schema::misfits(&schema::schema("bake"), &json), [""; 0], "{json}");
+    assert_eq!(json["converged"], true);
+    // Coefficients of a fit are off by more than the light that they make. Stated errors differ in their last digits.
+    let differ = |tolerance: &str| -> usize {
+        let run = folder.flb(&["diff", "cpu.flb", "gpu.flb", "--tolerance", tolerance]).expect_code(1);
+        assert!(run.stdout.contains("base 0"), "{}", run.stdout);
+        run.stdout.lines().filter(|line| line.contains("base ") && line.contains("different")).count()
+    };
+    assert_eq!(differ("1e-3"), 0);
+    assert!(differ("0") > 0, "the bits of the CPU");
+    let recorded = b"\"solve.solver\":\"ordinates-gpu\"";
+    let says = |file: &str| folder.read(file).windows(recorded.len()).any(|bytes| bytes == recorded);
+    assert!(says("gpu.flb") && !says("cpu.flb"));
+
+    // What the CPU kept is not taken for the GPU's, nor the other way round.
+    let cache = ["--cache", "kept"];
+    bake("kept-cpu.flb", &cache);
+    bake("again.flb", &[&cache[..], &["--backend", "gpu", "--threads", "1"]].concat());
+    assert!(folder.read("again.flb") == folder.read("gpu.flb"), "two runs on one GPU differ");
+    assert!(folder.read("kept-cpu.flb") == folder.read("cpu.flb"));
+}
+
+#[test]
+fn a_bake_that_leaves_it_open_passes_software_and_missing_gpus_over() {
+    let folder = Folder::with_plants(&["shrub"]);
+    let words = |out: &'static str, backend: &'static str| {
+        let words =
+            ["bake", "shrub.glb", "-o", out, "--ordinates", "18", "--suns", "sh1s", "--backend", backend];
+        [&words[..], &TINY].concat()
+    };
+    folder.flb(&words("cpu.flb", "cpu")).expect_code(0);
+    let nothing = [("WGPU_BACKEND", "vulkan"), ("VK_DRIVER_FILES", "/none"), ("VK_ICD_FILENAMES", "/none")];
+    let none = folder.flb_in(&nothing, &words("none.flb", "auto")).expect_code(0);
+    none.says(&["solving on the CPU: no GPU"]);
+    assert!(folder.read("none.flb") == folder.read("cpu.flb"));
+    let run = folder.flb(&words("auto.flb", "auto")).expect_code(0);
+    // With a real one it may solve there.
+    let on_cpu = run.stderr.contains("solving on the CPU: ");
+    assert!(on_cpu == (folder.read("auto.flb") == folder.read("cpu.flb")), "{}", run.stderr);
+}
+
+#[test]
 fn a_bake_without_a_gpu_says_what_to_install_and_writes_nothing() {
     let folder = Folder::with_plants(&["leaf-card"]);
     let nothing = [("WGPU_BACKEND", "vulkan"), ("VK_DRIVER_FILES", "/none"), ("VK_ICD_FILENAMES", "/none")];
     let words = ["bake", "leaf-card.glb", "-o", "x.flb", "--backend", "gpu"];
-    let run = folder.flb_in(&nothing, &[&words[..], &PAPER].concat());
-    run.expect_code(5).says(&["no GPU", "VULKAN", "apt-get install mesa-vulkan-drivers"]);
-    assert_eq!(folder.names(), ["leaf-card.glb"]);
+    for model in [&PAPER[..], &[]] {
+        let run = folder.flb_in(&nothing, &[&words[..], model].concat());
+        run.expect_code(5).says(&["no GPU", "VULKAN", "apt-get install mesa-vulkan-drivers"]);
+        assert_eq!(folder.names(), ["leaf-card.glb"]);
+    }
 }
 
 #[test]
 fn a_solver_of_the_cpu_on_the_gpu_is_refused() {
     let folder = Folder::with_plants(&["leaf-card"]);
-    for solver in ["sweep", "explicit", "literal"] {
-        let words = ["bake", "leaf-card.glb", "-o", "x.flb", "--backend", "gpu", "--solver", solver];
+    for (backend, solver) in [("gpu", "sweep"), ("gpu", "explicit"), ("auto", "literal")] {
+        let words = ["bake", "leaf-card.glb", "-o", "x.flb", "--backend", backend, "--solver", solver];
         folder.flb_with(&words, &PAPER).expect_code(2).says(&["--solver", "--backend gpu"]);
     }
 }

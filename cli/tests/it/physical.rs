@@ -347,7 +347,6 @@ fn what_a_model_has_not_is_refused_before_any_work() {
         (&["--tolerance", "0"], "--tolerance is 0"),
         (&["--max-sweeps", "0"], "--max-sweeps is 0"),
         (&["--solver", "sweep"], "--solver"),
-        (&["--backend", "gpu"], "--backend gpu"),
         (&["--monte-carlo", "23"], "0..=22"),
     ] {
         refused(more, word);

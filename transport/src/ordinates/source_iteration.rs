@@ -81,7 +81,7 @@ pub(super) fn source_iteration<const M: usize>(
 pub(super) struct Course {
     albedo: f64,
     pub passes: u32,
-    /// As of [`Relaxed::error_estimate`].
+    /// Estimated relative L2 error of the fluence, the worst of the lanes.
     pub error_estimate: f64,
     residual: f64,
 }

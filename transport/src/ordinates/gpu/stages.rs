@@ -55,7 +55,7 @@ pub(super) fn compile(device: &wgpu::Device) -> Stages {
     Stages { first, march, gather, send, arrive, step, remember, measure, mix }
 }
 
-/// Binds the parameters, those of an axis where a stage reads them, and the buffers that its file names, in their order.
+/// Binds the parameters, those of an axis where a stage reads them, and the buffers that its file names, in order.
 pub(super) fn bind(
     device: &wgpu::Device,
     stage: &wgpu::ComputePipeline,

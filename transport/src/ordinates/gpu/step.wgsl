@@ -1,5 +1,5 @@
-// What arrived in a pass -> the step to the next light, (x_1 + K W x - x) / (1 - W (1 - escape)). Twin: `become_step` in
-// source_iteration.rs.
+// What arrived in a pass -> the step to the next light, (x_1 + K W x - x) / (1 - W (1 - escape)). Twin: `become_step`
+// in source_iteration.rs.
 
 // [site]: what is scattered of the moments of degree 0, 1 and 2, and the share that escapes the site.
 @group(0) @binding(2) var<storage, read> matter: array<vec4<f32>>;

@@ -20,7 +20,7 @@ pub(super) struct Work<'a> {
     rays: &'a Rays,
     pub params: Params,
     pub uniform: wgpu::Buffer,
-    /// What each site scatters, and the share that escapes it.
+    /// Gains of each site, and the share of its light that escapes it.
     pub matter: wgpu::Buffer,
     /// `[site][moment][lane]`: light; what is sent out of it; what arrives beyond that.
     pub light: wgpu::Buffer,
