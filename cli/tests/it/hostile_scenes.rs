@@ -188,7 +188,8 @@ fn files_that_ask_for_more_memory_than_there_is_are_a_limit_by_name() {
     let needed = ["--memory-limit", "100", "--force"];
     let table: [(&str, u32, Vec<&str>); 14] = [
         (paper, 100_000, vec!["validate", paper, "--level", "decode"]),
-        (haar, 150_000, vec!["validate", haar, "--level", "decode"]),
+        // Too little for a second arena of glibc, 64 MB, which would now and then leave no room for a thread's stack.
+        (haar, 120_000, vec!["validate", haar, "--level", "decode"]),
         (haar, 250_000, vec!["validate", haar, "--level", "decode"]),
         (
             paper,
