@@ -12,9 +12,7 @@
 //! The layout is private to a build: any change of it, or of what a stage computes, raises [`SCHEMA`]. The
 //! public format is `.flb`.
 
-use std::sync::Arc;
-
-use flb_format::field::CellBand;
+use flb_format::field::{CellBand, Cells};
 use flb_format::matter::Class;
 use flb_format::{Field, Grid, Medium};
 use rkyv::api::high::{HighDeserializer, HighSerializer, HighValidator};
@@ -344,11 +342,11 @@ impl Artefact for BaseArtefact {
         let Field { lattice, bands, .. } = *field;
         let shared = field.cells().and_then(|of_bands| {
             let cells = of_bands.first()?.cells();
-            of_bands.iter().all(|band| Arc::ptr_eq(band.cells(), cells)).then_some((cells, of_bands))
+            of_bands.iter().all(|band| band.cells().is_same(cells)).then_some((cells, of_bands))
         });
         let (runs, values) = match shared {
             Some((cells, of_bands)) => {
-                (runs(cells), of_bands.iter().map(|band| band.values().to_vec()).collect())
+                (runs(cells.of_sites()), of_bands.iter().map(|band| band.values().to_vec()).collect())
             }
             None => {
                 let sites = (lattice as usize).pow(3).max(1);
@@ -378,10 +376,10 @@ impl Artefact for BaseArtefact {
             return Ok((base, Field::new(lattice, bands, values.concat())));
         }
         let cells = cells(&place, &runs, sites)?;
-        let most = runs.iter().map(|&(_, cell)| cell as usize + 1).max().unwrap_or(0);
-        values.iter().try_for_each(|values| match values.len() >= most {
+        let least = cells.count();
+        values.iter().try_for_each(|values| match values.len() >= least {
             true => Ok(()),
-            false => fault(&place, format!("{} values: expected at least {most}", values.len())),
+            false => fault(&place, format!("{} values: expected at least {least}", values.len())),
         })?;
         let of_bands = values.into_iter().map(|values| CellBand::new(cells.clone(), values));
         Ok((base, Field::of_cells(lattice, of_bands.collect())))
@@ -401,7 +399,7 @@ fn runs(cells: &[u32]) -> Vec<(u32, u32)> {
 }
 
 /// The number of each site.
-fn cells(place: &str, runs: &[(u32, u32)], sites: usize) -> Result<Arc<[u32]>, ArtefactError> {
+fn cells(place: &str, runs: &[(u32, u32)], sites: usize) -> Result<Cells, ArtefactError> {
     let mut cells = Vec::with_capacity(sites);
     for &(end, cell) in runs {
         if end as usize <= cells.len() || end as usize > sites {
@@ -411,7 +409,7 @@ fn cells(place: &str, runs: &[(u32, u32)], sites: usize) -> Result<Arc<[u32]>, A
         cells.resize(end as usize, cell);
     }
     check_length(place, cells.len(), sites)?;
-    Ok(cells.into())
+    Ok(Cells::new(cells))
 }
 
 /// All fields of a solution, bases ascending.

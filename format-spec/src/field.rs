@@ -116,27 +116,55 @@ enum Values {
     Cells(Vec<CellBand>),
 }
 
+/// Numbers of the values that sites have, `[z][y][x]`. Bands and fields share it: a clone is the same list.
+#[derive(Debug, Clone)]
+pub struct Cells {
+    of_sites: Arc<[u32]>,
+    count: usize,
+}
+
+impl Cells {
+    /// For each site, `[z][y][x]`, the number of its value.
+    pub fn new(of_sites: Vec<u32>) -> Cells {
+        let count = of_sites.iter().max().map_or(0, |&largest| largest as usize + 1);
+        Cells { of_sites: of_sites.into(), count }
+    }
+
+    /// The number of each site, `[z][y][x]`.
+    pub fn of_sites(&self) -> &[u32] {
+        &self.of_sites
+    }
+
+    /// Number of values that a band needs at least: 1 more than the largest number.
+    pub fn count(&self) -> usize {
+        self.count
+    }
+
+    /// Whether both are one list.
+    pub fn is_same(&self, other: &Cells) -> bool {
+        Arc::ptr_eq(&self.of_sites, &other.of_sites)
+    }
+}
+
 /// One band of a field in which many sites share a value.
 #[derive(Debug, Clone)]
 pub struct CellBand {
-    /// `[z][y][x]`: which of the values a site has. Bands and fields share it.
-    cells: Arc<[u32]>,
+    cells: Cells,
     values: Vec<f32>,
 }
 
 impl CellBand {
-    /// Values, and for each site, `[z][y][x]`, which of them it has.
+    /// Values, and which of them each site has.
     ///
     /// # Panics
-    /// If a site has none of the values.
-    pub fn new(cells: Arc<[u32]>, values: Vec<f32>) -> CellBand {
-        let largest = cells.iter().max();
-        assert!(largest.is_none_or(|&cell| (cell as usize) < values.len()), "a site has no value");
+    /// If there are fewer values than [`Cells::count`].
+    pub fn new(cells: Cells, values: Vec<f32>) -> CellBand {
+        assert!(values.len() >= cells.count, "a site has no value");
         CellBand { cells, values }
     }
 
-    /// Numbers of the values that sites have, `[z][y][x]`.
-    pub fn cells(&self) -> &Arc<[u32]> {
+    /// Numbers of the values that sites have.
+    pub fn cells(&self) -> &Cells {
         &self.cells
     }
 
@@ -146,7 +174,7 @@ impl CellBand {
     }
 
     fn of_sites(&self) -> impl Iterator<Item = f32> {
-        self.cells.iter().map(|&cell| self.values[cell as usize])
+        self.cells.of_sites.iter().map(|&cell| self.values[cell as usize])
     }
 }
 
@@ -174,7 +202,7 @@ impl Field {
     pub fn len(&self) -> usize {
         match &self.values {
             Values::Whole(values) => values.len(),
-            Values::Cells(bands) => bands.iter().map(|band| band.cells.len()).sum(),
+            Values::Cells(bands) => bands.iter().map(|band| band.cells.of_sites.len()).sum(),
         }
     }
 
@@ -217,7 +245,7 @@ impl Field {
             Values::Whole(values) => values[band as usize * self.sites() + site],
             Values::Cells(bands) => {
                 let CellBand { cells, values } = &bands[band as usize];
-                values[cells[site] as usize]
+                values[cells.of_sites[site] as usize]
             }
         }
     }
@@ -242,7 +270,7 @@ impl Field {
             }
             Values::Cells(bands) => {
                 let CellBand { cells, values } = &bands[band as usize];
-                let cells = &cells[first..][..LENGTH];
+                let cells = &cells.of_sites[first..][..LENGTH];
                 std::array::from_fn(|x| values[cells[x] as usize])
             }
         }
@@ -262,7 +290,7 @@ impl Field {
     /// If the field has no such band, or the band another number of sites.
     pub fn set_band(&mut self, band: u32, of_band: CellBand) {
         let sites = self.sites();
-        assert_eq!(of_band.cells.len(), sites, "a band has one value a site");
+        assert_eq!(of_band.cells.of_sites.len(), sites, "a band has one value a site");
         match &mut self.values {
             Values::Whole(values) => {
                 let values = values[band as usize * sites..][..sites].iter_mut();
@@ -287,13 +315,13 @@ mod tests {
 
     #[test]
     fn a_field_of_cells_reads_as_the_whole_array_and_becomes_it_where_it_is_written() {
-        let cells: Arc<[u32]> = (0..16_u32.pow(3)).map(|site| site / 5 % 7).collect();
+        let cells = Cells::new((0..16_u32.pow(3)).map(|site| site / 5 % 7).collect());
         let of_band = |factor: f32| -> Vec<f32> { (0..7).map(|cell| factor * cell as f32).collect() };
         let band = |factor| CellBand::new(cells.clone(), of_band(factor));
         let mut shared = Field::of_cells(16, vec![band(1.0), band(-2.0)]);
         let values: Vec<f32> = [1.0, -2.0]
             .iter()
-            .flat_map(|factor| cells.iter().map(move |&cell| factor * cell as f32))
+            .flat_map(|factor| cells.of_sites().iter().map(move |&cell| factor * cell as f32))
             .collect();
         let mut whole = Field::new(16, 2, values.clone());
         assert_eq!(*shared.values(), values);

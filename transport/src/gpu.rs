@@ -2,6 +2,10 @@
 
 #[cfg(feature = "gpu")]
 pub(crate) mod buffers;
+#[cfg(feature = "gpu")]
+pub(crate) mod pipelines;
+#[cfg(all(test, feature = "gpu"))]
+pub(crate) mod wgsl;
 
 use thiserror::Error;
 

@@ -290,15 +290,7 @@ pub fn solve_among(
             let direct: Vec<&[f32]> = held_out.chain(sky.as_deref()).collect();
             let size = [bands.len(), BANDS_AT_ONCE];
             let made = |share: f64| progress(0.2 + 0.7 * share);
-            let whole = Scattering {
-                march,
-                plan: &plan,
-                beams: marched,
-                below,
-                open_sky: lit_sky,
-                settings,
-                may_be_smooth: true,
-            };
+            let whole = Scattering::whole(march, &plan, marched, below, lit_sky, settings);
             Some(AlikeBands::solve(&whole, &direct, &band, size, &scatter, &made)?)
         }
     };
@@ -315,15 +307,7 @@ pub fn solve_among(
             Some(alike) => some.clone().map(|number| alike.take(number)).collect(),
             None => {
                 let march = march.as_ref().expect("it goes after the last bands");
-                let whole = Scattering {
-                    march,
-                    plan: &plan,
-                    beams: marched,
-                    below,
-                    open_sky: lit_sky,
-                    settings,
-                    may_be_smooth: true,
-                };
+                let whole = Scattering::whole(march, &plan, marched, below, lit_sky, settings);
                 scatter(&whole, &some.clone().map(band).collect::<Vec<_>>(), &made)?
             }
         };

@@ -1,6 +1,3 @@
-use std::sync::Arc;
-
-use flb_format::field::CellBand;
 use flb_format::matter::{LeafAngles, TurbidMedium};
 
 use super::*;
@@ -136,7 +133,7 @@ fn a_value_that_lies_is_refused() {
 
 #[test]
 fn a_field_of_cells_comes_back_as_one_and_takes_no_value_twice() {
-    let cells: Arc<[u32]> = (0..4096).map(|site: u32| site / 64).collect();
+    let cells = Cells::new((0..4096).map(|site: u32| site / 64).collect());
     let band = |factor: f32| CellBand::new(cells.clone(), (0..64).map(|cell| factor * cell as f32).collect());
     let fields: Vec<BaseArtefact> = vec![(3, Field::of_cells(16, vec![band(1.0), band(0.5)]))];
     let bytes = to_bytes(&fields, KEY).expect("bytes");
@@ -145,7 +142,7 @@ fn a_field_of_cells_comes_back_as_one_and_takes_no_value_twice() {
     assert_eq!(read, fields);
     assert!(read[0].1.cells().is_some());
     // Bands that share values in other ways are stored whole.
-    let other = CellBand::new((0..4096).map(|site: u32| site % 64).collect(), vec![2.0; 64]);
+    let other = CellBand::new(Cells::new((0..4096).map(|site: u32| site % 64).collect()), vec![2.0; 64]);
     let fields: Vec<BaseArtefact> = vec![(3, Field::of_cells(16, vec![band(1.0), other]))];
     let read: Vec<BaseArtefact> =
         from_bytes(&to_bytes(&fields, KEY).expect("bytes"), KEY).expect("it was written just now");

@@ -44,7 +44,9 @@ pub(super) fn bake(
     let gpu = light::gpu_of(&solve)?;
     let model = Model::Physical { surfaces: surfaces.clone(), light: unsolved_light(&solve) };
     let mut meta = super::job::describe(&plant, &voxels, model);
-    gpu.iter().for_each(|_| meta.record(&provenance::SOLVER, light::solver_name(&solve).to_owned()));
+    if gpu.is_some() {
+        meta.record(&provenance::SOLVER, light::solver_name(&solve).to_owned());
+    }
     meta.record(&provenance::TOLERANCE, solve.tolerance);
     meta.record(&provenance::MAX_SWEEPS, solve.max_passes);
     meta.record(&provenance::PARTS, solve.parts);

@@ -5,6 +5,9 @@ use flb_gpu::Gpu;
 /// Bytes of a number.
 pub(crate) const WORD: u64 = size_of::<f32>() as u64;
 
+/// Bytes that a buffer takes at most, whatever the GPU would allow: the host holds a copy of what it reads.
+pub(crate) const MAX_BUFFER_BYTES: u64 = 768 << 20;
+
 /// Invocations of a workgroup; `WORKGROUP` of each types.wgsl.
 pub(crate) const WORKGROUP: u32 = 64;
 

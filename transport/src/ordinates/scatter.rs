@@ -57,6 +57,20 @@ pub(super) struct Scattering<'a> {
     pub may_be_smooth: bool,
 }
 
+impl<'a> Scattering<'a> {
+    /// Light of all suns of a plan, of which the rest may be smooth.
+    pub(super) fn whole(
+        march: &'a March,
+        plan: &'a SolvePlan,
+        beams: &'a [&'a Beam],
+        below: f32,
+        open_sky: Option<&'a [f32]>,
+        settings: &'a OrdinatesSettings,
+    ) -> Scattering<'a> {
+        Scattering { march, plan, beams, below, open_sky, settings, may_be_smooth: true }
+    }
+}
+
 impl Scattering<'_> {
     /// Scattered light of all suns, and of a sky of fluence 1 where that is wanted, in each band.
     pub(super) fn scatter(&self, bands: &[Band], progress: &Progress<'_>) -> Result<Vec<Lit>, Cancelled> {

@@ -4,9 +4,7 @@
 //! mean of the non-empty sites in the smallest cube of the pyramid over the lattice (2^3, 4^3, ... sites) that holds
 //! any: next to matter that is the matter's light, and further away it changes little, which codes well.
 
-use std::sync::Arc;
-
-use flb_format::field::CellBand;
+use flb_format::field::{CellBand, Cells};
 
 /// The pyramid over the non-empty sites of a lattice: what each site of a field takes its value from.
 pub struct Spread {
@@ -16,7 +14,7 @@ pub struct Spread {
     /// Sites that each cube holds, those of all levels one after the other.
     counts: Vec<f32>,
     /// `[z][y][x]`: number of the cube, among those of all levels, whose mean a site takes.
-    cubes: Arc<[u32]>,
+    cubes: Cells,
 }
 
 impl Spread {
@@ -24,7 +22,7 @@ impl Spread {
     pub fn new(sites: &[u32], lattice: u32) -> Spread {
         let mut edge = lattice as usize;
         if sites.is_empty() {
-            let cubes = vec![0; edge * edge * edge].into();
+            let cubes = Cells::new(vec![0; edge * edge * edge]);
             return Spread { parents: Vec::new(), counts: Vec::new(), cubes };
         }
         // Cubes of a level by their place in it, and all of them.
@@ -68,7 +66,7 @@ impl Spread {
             (start..end).zip(cubes).for_each(|(number, cube)| below[cube as usize] = number as u32);
             (numbers, end) = (below, start);
         }
-        Spread { parents, counts, cubes: numbers.into() }
+        Spread { parents, counts, cubes: Cells::new(numbers) }
     }
 
     /// Makes a band of a field from the values at the sites; without sites, one of zeros.

@@ -2,10 +2,7 @@
 
 use super::stages::{self, Stages};
 use crate::gpu::GpuError;
-
-/// Light of one group is kept in buffers of at most so many bytes each, whatever the GPU would allow: the host holds a
-/// copy of one when a group is done.
-const MAX_BUFFER_BYTES: u64 = 768 << 20;
+use crate::gpu::buffers::MAX_BUFFER_BYTES;
 
 /// An open GPU.
 pub(super) struct Gpu {

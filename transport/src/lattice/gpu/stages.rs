@@ -1,5 +1,7 @@
 //! The shaders: WGSL -> pipelines that share one bind group layout.
 
+use crate::gpu::pipelines;
+
 /// Runs of sites whose sums `measure` forms; `PARTS` of types.wgsl.
 pub(super) const PARTS: u32 = 1024;
 
@@ -51,19 +53,6 @@ pub(super) fn compile(device: &wgpu::Device) -> Stages {
         bind_group_layouts: &[Some(&layout)],
         immediate_size: 0,
     });
-    let [collide, measure, settle] = SOURCES.map(|(name, source)| {
-        let module = device.create_shader_module(wgpu::ShaderModuleDescriptor {
-            label: Some(name),
-            source: wgpu::ShaderSource::Wgsl(source.into()),
-        });
-        device.create_compute_pipeline(&wgpu::ComputePipelineDescriptor {
-            label: Some(name),
-            layout: Some(&pipeline_layout),
-            module: &module,
-            entry_point: Some(name),
-            compilation_options: Default::default(),
-            cache: None,
-        })
-    });
+    let [collide, measure, settle] = pipelines::compile(device, SOURCES, Some(&pipeline_layout));
     Stages { layout, collide, measure, settle }
 }

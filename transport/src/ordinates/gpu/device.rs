@@ -2,9 +2,7 @@
 
 use super::stages::{self, Stages};
 use crate::gpu::GpuError;
-
-/// Buffers take at most so many bytes each, whatever the GPU would allow.
-const MAX_BUFFER_BYTES: u64 = 768 << 20;
+use crate::gpu::buffers::MAX_BUFFER_BYTES;
 
 /// An open GPU.
 pub(in crate::ordinates) struct Gpu {

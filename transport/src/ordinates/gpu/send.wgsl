@@ -18,10 +18,9 @@ fn send(
         return;
     }
     let site = at / params.lanes;
-    let gains = matter[site];
     for (var a = 0u; a < params.moments; a++) {
         let place = at_moment(site, a, at % params.lanes);
-        let gain = select(select(gains.z, gains.y, is_odd(a)), gains.x, a == 0u);
+        let gain = gain_of(matter[site], a);
         source[place] = gain * light[place];
         sums[place] = 0.0;
     }

@@ -1,5 +1,7 @@
 //! The shaders: WGSL -> pipelines. Each binds what its file names.
 
+use crate::gpu::pipelines;
+
 /// Runs of sites whose sums `measure` forms; `PARTS` of types.wgsl.
 pub(super) const PARTS: u32 = 1024;
 
@@ -38,20 +40,8 @@ pub(in crate::ordinates) struct Stages {
 
 /// Compiles every stage. Errors arrive at the device's handler.
 pub(super) fn compile(device: &wgpu::Device) -> Stages {
-    let [first, march, gather, send, arrive, step, remember, measure, mix] = SOURCES.map(|(name, source)| {
-        let module = device.create_shader_module(wgpu::ShaderModuleDescriptor {
-            label: Some(name),
-            source: wgpu::ShaderSource::Wgsl(source.into()),
-        });
-        device.create_compute_pipeline(&wgpu::ComputePipelineDescriptor {
-            label: Some(name),
-            layout: None,
-            module: &module,
-            entry_point: Some(name),
-            compilation_options: Default::default(),
-            cache: None,
-        })
-    });
+    let [first, march, gather, send, arrive, step, remember, measure, mix] =
+        pipelines::compile(device, SOURCES, None);
     Stages { first, march, gather, send, arrive, step, remember, measure, mix }
 }
 

@@ -25,7 +25,7 @@ fn step_to(
     let stays = 1.0 - gains.w;
     for (var a = 0u; a < params.moments; a++) {
         let place = at_moment(site, a, at % params.lanes);
-        let gain = select(select(gains.z, gains.y, is_odd(a)), gains.x, a == 0u);
+        let gain = gain_of(gains, a);
         let whole = 1.0 / (1.0 - gain * stays);
         sums[place] = whole * (first[place] + (source[place] + sums[place]) - light[place]);
     }

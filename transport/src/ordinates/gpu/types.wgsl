@@ -52,6 +52,11 @@ fn is_odd(a: u32) -> bool {
     return a >= 1u && a <= 3u;
 }
 
+// What matter scatters of moment `a`; `matter` has the gains of degree 0, 1 and 2.
+fn gain_of(matter: vec4<f32>, a: u32) -> f32 {
+    return select(select(matter.z, matter.y, is_odd(a)), matter.x, a == 0u);
+}
+
 // Where moment `a` of a site is, in a list [site][moment][lane].
 fn at_moment(site: u32, a: u32, lane: u32) -> u32 {
     return (site * params.moments + a) * params.lanes + lane;

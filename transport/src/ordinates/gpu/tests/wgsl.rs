@@ -1,24 +1,16 @@
 //! The WGSL by itself: no GPU needed.
 
 use flb_format::ordinates::Ordinates;
-use naga::proc::Layouter;
-use naga::valid::{Capabilities, ValidationFlags, Validator};
-use naga::{AddressSpace, Literal, Module, TypeInner};
+use naga::AddressSpace;
 
 use super::super::layout::{self, AXIS_MOMENTS, AXIS_WORDS, Params};
 use super::super::stages::{PARTS, SOURCES};
 use super::*;
 use crate::gpu::buffers::WORKGROUP;
+use crate::gpu::wgsl::{assert_layout, constant, members, parse, parse_stage};
 
 /// Storage buffers of a stage that WebGPU promises everywhere.
 const MAX_STORAGE_BUFFERS: usize = 8;
-
-fn parse(source: &str) -> Result<Module, String> {
-    let module = naga::front::wgsl::parse_str(source).map_err(|error| error.emit_to_string(source))?;
-    let mut validator = Validator::new(ValidationFlags::all(), Capabilities::empty());
-    validator.validate(&module).map_err(|error| error.emit_to_string(source))?;
-    Ok(module)
-}
 
 fn source_of(name: &str) -> &'static str {
     SOURCES.iter().find(|(stage, _)| *stage == name).unwrap().1
@@ -27,10 +19,7 @@ fn source_of(name: &str) -> &'static str {
 #[test]
 fn every_stage_is_valid_has_its_workgroup_and_binds_what_webgpu_promises() {
     for (name, source) in SOURCES {
-        let module = parse(source).unwrap_or_else(|error| panic!("{name}: {error}"));
-        let entry: Vec<_> =
-            module.entry_points.iter().map(|entry| (entry.name.as_str(), entry.workgroup_size)).collect();
-        assert_eq!(entry, [(name, [WORKGROUP, 1, 1])]);
+        let module = parse_stage(name, source);
         let is_storage = |space| matches!(space, AddressSpace::Storage { .. });
         let buffers =
             module.global_variables.iter().filter(|(_, variable)| is_storage(variable.space)).count();
@@ -43,23 +32,6 @@ fn a_stage_that_writes_what_it_may_only_read_is_found_invalid() {
     let source = source_of("mix_light").replace("light[at] = light[at]", "steps[at] = light[at]");
     assert_ne!(source, source_of("mix_light"));
     assert!(parse(&source).is_err());
-}
-
-/// Names and offsets of a struct's members, and its size.
-fn members(module: &Module, name: &str) -> (Vec<(String, u32)>, u32) {
-    let mut layouter = Layouter::default();
-    layouter.update(module.to_ctx()).unwrap();
-    let found = module.types.iter().find(|(_, ty)| ty.name.as_deref() == Some(name));
-    let (handle, ty) = found.unwrap_or_else(|| panic!("no struct {name}"));
-    let TypeInner::Struct { members, .. } = &ty.inner else { panic!("{name} is no struct") };
-    let members = members.iter().map(|member| (member.name.clone().unwrap(), member.offset));
-    (members.collect(), layouter[handle].to_stride())
-}
-
-fn assert_layout<const N: usize>(module: &Module, name: &str, fields: [(&'static str, u32); N]) {
-    let expected: Vec<(String, u32)> =
-        fields.iter().zip(0..).map(|(field, at)| (field.0.to_owned(), 4 * at)).collect();
-    assert_eq!(members(module, name), (expected, 4 * N as u32), "{name}");
 }
 
 #[test]
@@ -92,13 +64,6 @@ fn offsets_are_signed_bytes_of_which_127_is_one() {
 #[test]
 fn constants_are_those_of_rust() {
     let module = parse(source_of("measure")).unwrap();
-    let value = |name: &str| {
-        let found = module.constants.iter().find(|(_, constant)| constant.name.as_deref() == Some(name));
-        let (_, constant) = found.unwrap_or_else(|| panic!("no constant {name}"));
-        match module.global_expressions[constant.init] {
-            naga::Expression::Literal(Literal::U32(value)) => value,
-            ref other => panic!("{name}: {other:?}"),
-        }
-    };
-    assert_eq!([value("WORKGROUP"), value("PARTS")], [WORKGROUP, PARTS]);
+    let value = |name: &str| constant(&module, name);
+    assert_eq!([value("WORKGROUP"), value("PARTS")], [WORKGROUP, PARTS].map(f64::from));
 }
