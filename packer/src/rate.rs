@@ -4,7 +4,8 @@
 //! of threads nor on what vector registers there are. Every step of the search is measured at the surface points of the
 //! quality report, and an encoding that is worse than its target is named ([`Missed`]). Memory, beside the fields: for
 //! each base and band 256 bytes a stored block (its filled coefficients) and 4 bytes a surface point (its samples), and
-//! a lattice of floats for each thread.
+//! a lattice of floats for each thread. Of many bands that are alike, the components that no file could hold are left
+//! out of the coefficients ([`ready`]).
 
 mod choose;
 mod control;
@@ -178,7 +179,7 @@ fn code(
         DetailCoding::Haar => &transform::HAAR,
     };
     let geometry = Geometry::new(lattice, sites, settings.all_blocks, rows);
-    let (ready, filled) = ready::ready(bases, &geometry, harmonics);
+    let (ready, filled) = ready::ready(bases, &geometry, harmonics, target);
     if let Some(dim) = ready.iter().find(|r| r.finest > COARSEST) {
         return Err(PackError::Setting {
             what: "the light near surfaces",

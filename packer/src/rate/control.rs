@@ -7,7 +7,7 @@ use rayon::prelude::*;
 use super::choose::{self, Chooser};
 use super::pass::{self, Coded, Pass, Quality, Try};
 use super::search::{Next, Search};
-use super::target::{Missed, SLACK_DB, Target};
+use super::target::{Missed, PURSUIT_DB, SLACK_DB, Target};
 
 /// Blocks on which a step is guessed.
 const GUESS_BLOCKS: usize = 400;
@@ -17,8 +17,6 @@ const TRAINING: [usize; 2] = [5000, 3000];
 const ROUNDS: usize = 4;
 /// A factor of steps from which on classes are trained again.
 const FAR: f32 = 1.5;
-/// Decibels better than the mean error asked for up to which a relative one is pursued.
-const PURSUIT_DB: f64 = 12.0;
 /// Groups from which on a pass over one of them is worth its time.
 const CALIBRATED_GROUPS: usize = 4;
 /// Largest step of a dark block, in shares of its mean, for each unit of the relative error asked for: smaller where

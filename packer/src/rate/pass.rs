@@ -11,11 +11,10 @@ use super::geometry::{Geometry, Gram};
 use super::light::Light;
 use super::quantise::{self, Grid};
 use super::ready::{Filled, Ready};
+use super::target::DARKEST;
 
 /// A component is kept if its mean square is above this share of a square step.
 const WORTH: f64 = 0.025;
-/// Darker places, relative to the peak, are taken to be this bright: a relative error is not seen there.
-const DARKEST: f32 = 1.0 / 256.0;
 /// Times the light of the darkest tenth of points that the mean of a block with halved steps may have.
 const FAR_BRIGHTER: f32 = 3.0;
 
@@ -202,7 +201,7 @@ impl Pass<'_> {
     pub(super) fn expected(&self, coded: &Coded, stride: usize) -> f64 {
         let ready = &self.ready[coded.tried.base];
         let sites = self.geometry.counted_sites().max(1) as f64;
-        let dropped: f64 = ready.sampled[coded.tried.components..].iter().sum();
+        let dropped = ready.dropped(coded.tried.components);
         (coded.expected * stride as f64 / sites + dropped) / ready.bands() as f64
     }
 
@@ -337,7 +336,8 @@ impl NullaryFnOnce for MeasureJob<'_> {
         let Try { base, step, components, .. } = coded.tried;
         let (ready, geometry) = (&pass.ready[base], pass.geometry);
         let n = ready.field.lattice as usize;
-        let mut squares = vec![0.0f32; geometry.points.len()];
+        let mut squares = ready.rest.clone();
+        squares.resize(geometry.points.len(), 0.0);
         for (c, samples) in ready.samples.iter().enumerate() {
             if c >= components {
                 squares.iter_mut().zip(samples).for_each(|(square, v)| *square += v * v);

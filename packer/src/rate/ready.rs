@@ -9,7 +9,8 @@ use std::sync::Arc;
 use super::fill;
 use super::geometry::Geometry;
 use super::light::Light;
-use super::rotate::principal;
+use super::rotate::{Principal, principal};
+use super::target::Target;
 use pulp::{Arch, NullaryFnOnce};
 use rayon::prelude::*;
 
@@ -17,6 +18,9 @@ use rayon::prelude::*;
 const SCALE: f32 = 216.0;
 /// Every so many points are taken for the second moments of bands.
 const MOMENT_STRIDE: usize = 3;
+/// Share of the square error that is asked for below which components are not looked at: no byte of a file depends on
+/// them.
+const NEGLIGIBLE: f64 = 1e-4;
 
 /// What is known of a base before a step is chosen.
 pub(super) struct Ready<'a> {
@@ -26,10 +30,12 @@ pub(super) struct Ready<'a> {
     pub field: &'a Field,
     /// Light that errors are measured against.
     pub light: Arc<Light>,
-    /// `[component][band]`, all of them.
+    /// `[component][band]` of the components that may be worth coding.
     pub rotation: Vec<f32>,
     /// `[component][point]` samples at surfaces, relative to the peak.
     pub samples: Vec<Vec<f32>>,
+    /// `[point]` sum of the squares of all other components; empty where there are none.
+    pub rest: Vec<f32>,
     /// `[component]` mean square of them.
     pub sampled: Vec<f64>,
     /// `[component]` mean square of the filled texels, relative to the peak.
@@ -42,7 +48,7 @@ pub(super) struct Ready<'a> {
     pub coarse: Vec<Vec<f32>>,
 }
 
-/// Filled coefficients where a step is 1, `[block][base][component]`, all bands of a base.
+/// Filled coefficients where a step is 1, `[block][base][component]`.
 pub(super) struct Filled {
     /// `[block][item]`
     blocks: Vec<Vec<[f32; TEXELS]>>,
@@ -62,6 +68,17 @@ impl Ready<'_> {
     /// Number of bands.
     pub(super) fn bands(&self) -> usize {
         self.field.bands as usize
+    }
+
+    /// Number of components that may be worth coding.
+    pub(super) fn components(&self) -> usize {
+        self.samples.len()
+    }
+
+    /// Mean square over points of what is lost where so many components are kept, relative to the peak.
+    pub(super) fn dropped(&self, components: usize) -> f64 {
+        let rest = self.rest.iter().fold(0.0, |sum, square| sum + f64::from(*square));
+        self.sampled[components..].iter().sum::<f64>() + rest / self.rest.len().max(1) as f64
     }
 
     /// Texels of all components of a block, where a step is 1.
@@ -92,6 +109,7 @@ pub(super) fn ready<'a>(
     bases: &[(u8, &'a Field)],
     geometry: &Geometry,
     harmonics: Option<usize>,
+    target: Target,
 ) -> (Vec<Ready<'a>>, Filled) {
     let samples: Vec<Vec<Vec<f32>>> = bases.par_iter().map(|(_, field)| samples(field, geometry)).collect();
     let alone = harmonics.map_or(bases.len(), |_| bases.iter().take_while(|(base, _)| *base == 0).count());
@@ -107,7 +125,7 @@ pub(super) fn ready<'a>(
     }
     let mut ready: Vec<Ready> = (bases, samples, lights)
         .into_par_iter()
-        .map(|((base, field), samples, light)| survey(*base, field, geometry, samples, light))
+        .map(|((base, field), samples, light)| survey(*base, field, geometry, samples, light, target))
         .collect();
     let filled = fill_all(&ready, geometry);
     ready.par_iter_mut().enumerate().for_each(|(i, ready)| measure(ready, i, &filled, geometry));
@@ -131,26 +149,23 @@ fn survey<'a>(
     geometry: &Geometry,
     samples: Vec<Vec<f32>>,
     light: Arc<Light>,
+    target: Target,
 ) -> Ready<'a> {
     let (bands, points, peak) = (field.bands as usize, geometry.points.len(), light.peak);
     let mut moments = vec![0.0f64; bands * bands];
+    let mut of_point = vec![0.0f64; bands];
     for p in (0..points).step_by(MOMENT_STRIDE) {
-        for i in 0..bands {
-            for j in 0..bands {
-                moments[i * bands + j] += f64::from(samples[i][p] / peak) * f64::from(samples[j][p] / peak);
-            }
+        of_point.iter_mut().zip(&samples).for_each(|(value, of_band)| *value = f64::from(of_band[p] / peak));
+        for (i, row) in moments.chunks_exact_mut(bands).enumerate() {
+            row.iter_mut().zip(&of_point).for_each(|(sum, value)| *sum += of_point[i] * value);
         }
     }
+    let principal = principal(&moments, bands);
+    let components = worthwhile(&principal, points.div_ceil(MOMENT_STRIDE), target.most_pursued(bands));
     // Within -1..=1 whatever was rounded, and no -0.
-    let rotation: Vec<f32> =
-        principal(&moments, bands).into_iter().flatten().map(|v| (v as f32).clamp(-1.0, 1.0) + 0.0).collect();
-    let samples: Vec<Vec<f32>> = (0..bands)
-        .map(|c| {
-            let row = &rotation[c * bands..][..bands];
-            let value = |p: usize| row.iter().zip(&samples).map(|(r, s)| r * (s[p] / peak)).sum();
-            (0..points).map(value).collect()
-        })
-        .collect();
+    let rows = principal.into_iter().take(components).flat_map(|principal| principal.row);
+    let rotation: Vec<f32> = rows.map(|v| (v as f32).clamp(-1.0, 1.0) + 0.0).collect();
+    let (samples, rest) = rotated(&samples, &rotation, peak);
     let mean = |v: &Vec<f32>| v.iter().map(|v| f64::from(v * v)).sum::<f64>() / points.max(1) as f64;
     let sampled = samples.iter().map(mean).collect();
     let coarse = coarse_means(field, geometry, &rotation, peak);
@@ -160,12 +175,63 @@ fn survey<'a>(
         light,
         rotation,
         samples,
+        rest,
         sampled,
         moment: Vec::new(),
         finest: 0.0,
         axes: [0, 1, 2],
         coarse,
     }
+}
+
+/// Components, at least one, that may be worth coding where the square error of a point, summed over bands, is never to
+/// be less than `pursued`: all others together are below [`NEGLIGIBLE`] of that.
+fn worthwhile(principal: &[Principal], points: usize, pursued: f64) -> usize {
+    let most = NEGLIGIBLE * pursued * points as f64;
+    let mut left = 0.0;
+    let negligible = principal.iter().rev().take_while(|principal| {
+        left += principal.moment;
+        left <= most
+    });
+    (principal.len() - negligible.count()).max(1)
+}
+
+/// Points that are rotated at once.
+const ROTATED: usize = 512;
+
+/// Samples `[component][point]` of samples `[band][point]`, relative to the peak, and what they do not hold: the square
+/// at each point, summed over bands. That is empty where all components are wanted.
+fn rotated(samples: &[Vec<f32>], rotation: &[f32], peak: f32) -> (Vec<Vec<f32>>, Vec<f32>) {
+    let (bands, points) = (samples.len(), samples.first().map_or(0, Vec::len));
+    let components = rotation.len() / bands;
+    let mut of_components = vec![Vec::with_capacity(points); components];
+    let mut rest = Vec::new();
+    for first in (0..points).step_by(ROTATED) {
+        let count = ROTATED.min(points - first);
+        let relative = |of_band: &Vec<f32>| of_band[first..][..count].iter().map(|v| v / peak).collect();
+        let mut relative: Vec<Vec<f32>> = samples.iter().map(relative).collect();
+        for (row, of_component) in rotation.chunks_exact(bands).zip(&mut of_components) {
+            let mut sum = vec![-0.0f32; count];
+            for (factor, relative) in row.iter().zip(&relative) {
+                sum.iter_mut().zip(relative).for_each(|(sum, value)| *sum += factor * value);
+            }
+            of_component.extend(sum);
+        }
+        if components == bands {
+            continue;
+        }
+        for (row, of_component) in rotation.chunks_exact(bands).zip(&of_components) {
+            for (factor, relative) in row.iter().zip(&mut relative) {
+                relative
+                    .iter_mut()
+                    .zip(&of_component[first..])
+                    .for_each(|(left, value)| *left -= factor * value);
+            }
+        }
+        let squares = |i: usize| relative.iter().map(|left| left[i] * left[i]).sum::<f32>();
+        rest.extend((0..count).map(squares));
+    }
+    (of_components, rest)
 }
 
 /// Means over 16^3 texels of the components: of the texels in blocks that are not stored, of all where there are none.
@@ -194,10 +260,12 @@ fn coarse_means(field: &Field, geometry: &Geometry, rotation: &[f32], peak: f32)
     let means: Vec<Vec<f64>> =
         (0..bands).map(|b| (0..edge.pow(3)).map(|code| mean(code, b as u32)).collect()).collect();
     let scale = f64::from(SCALE / 27.0 / peak);
-    (0..bands)
-        .map(|c| {
+    rotation
+        .chunks_exact(bands)
+        .map(|row| {
             let value = |i: usize| -> f64 {
-                (0..bands).map(|b| f64::from(rotation[c * bands + b]) * means[b][i]).sum::<f64>() * scale
+                row.iter().zip(&means).map(|(factor, means)| f64::from(*factor) * means[i]).sum::<f64>()
+                    * scale
             };
             (0..means[0].len()).map(|i| value(i) as f32).collect()
         })
@@ -206,7 +274,7 @@ fn coarse_means(field: &Field, geometry: &Geometry, rotation: &[f32], peak: f32)
 
 fn fill_all(ready: &[Ready], geometry: &Geometry) -> Filled {
     let mut first = vec![0];
-    ready.iter().for_each(|r| first.push(first.last().expect("one at least") + r.bands()));
+    ready.iter().for_each(|r| first.push(first.last().expect("one at least") + r.components()));
     let items = *first.last().expect("one at least");
     let blocks = (0..geometry.map.len())
         .into_par_iter()
@@ -249,7 +317,7 @@ fn measure(ready: &mut Ready, base: usize, filled: &Filled, geometry: &Geometry)
     let mut energy = [0.0f64; 3];
     let (mut largest, mut steepest) = (0.0f32, 0.0f32);
     let square = |v: f32| f64::from(v) * f64::from(v);
-    for c in 0..ready.bands() {
+    for c in 0..ready.components() {
         let mut sum = 0.0;
         for rank in 0..geometry.map.len() {
             let block = filled.get(rank, base, c);
@@ -267,4 +335,51 @@ fn measure(ready: &mut Ready, base: usize, filled: &Filled, geometry: &Geometry)
     // A finer step would clip the steepest block, and be worse.
     ready.finest = (largest.max(1e-3) / MAX_AVERAGE).max(steepest / MAX_DETAIL);
     ready.axes.sort_by(|a, b| energy[usize::from(*b)].total_cmp(&energy[usize::from(*a)]).then(a.cmp(b)));
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Samples `[band][point]` of 24 bands: two functions of the point in different shares, and very little beside.
+    fn samples(beside: f32) -> Vec<Vec<f32>> {
+        let value = |band: usize, p: usize| {
+            let (x, b) = (p as f32 * 0.37, band as f32 * 0.1);
+            (2.0 + libm::sinf(x)) * (1.0 + b) + libm::cosf(3.0 * x) * (1.0 - b) + beside * libm::sinf(x * b)
+        };
+        (0..24).map(|band| (0..1500).map(|p| value(band, p)).collect()).collect()
+    }
+
+    fn principal_of(samples: &[Vec<f32>]) -> Vec<Principal> {
+        let product = |a: &Vec<f32>, b: &Vec<f32>| -> f64 {
+            a.iter().zip(b).map(|(a, b)| f64::from(*a) * f64::from(*b)).sum()
+        };
+        let moments: Vec<f64> = samples.iter().flat_map(|a| samples.iter().map(|b| product(a, b))).collect();
+        principal(&moments, samples.len())
+    }
+
+    #[test]
+    fn components_below_what_is_asked_for_are_left_out_and_more_are_kept_for_a_finer_target() {
+        let principal = principal_of(&samples(1e-5));
+        let kept = |db: f64| worthwhile(&principal, 1500, Target::Psnr(db).most_pursued(24));
+        assert_eq!(kept(45.0), 2);
+        assert!(kept(80.0) > 2);
+        assert_eq!(worthwhile(&principal, 1500, 0.0), 24);
+        assert_eq!(worthwhile(&principal, 1500, f64::INFINITY), 1);
+    }
+
+    #[test]
+    fn what_components_left_out_hold_is_counted_as_error() {
+        let samples = samples(0.1);
+        let row = |principal: Principal| principal.row.into_iter().map(|v| v as f32);
+        let rotation: Vec<f32> = principal_of(&samples).into_iter().flat_map(row).collect();
+        let (all, rest) = rotated(&samples, &rotation, 2.0);
+        assert_eq!((all.len(), rest.len()), (24, 0));
+        let (some, rest) = rotated(&samples, &rotation[..2 * 24], 2.0);
+        assert_eq!(some, all[..2]);
+        for (p, rest) in rest.iter().enumerate() {
+            let expected: f32 = all[2..].iter().map(|component| component[p] * component[p]).sum();
+            assert!((rest - expected).abs() <= 1e-3 * expected + 1e-9, "point {p}: {rest} for {expected}");
+        }
+    }
 }

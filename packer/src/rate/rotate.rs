@@ -1,9 +1,16 @@
 //! The rotation across bands of a base: an orthonormal matrix whose first component holds nearly all of the light.
 
-/// Eigenvectors of the second moments `[band][band]`, largest eigenvalue first, each with a sum of at least 0:
-/// `[component][band]`. Cyclic Jacobi in f64 (Golub and Van Loan, section 8.5) in a fixed order, so the same bits
-/// everywhere.
-pub(super) fn principal(moments: &[f64], bands: usize) -> Vec<Vec<f64>> {
+/// Component of the light of all bands.
+pub(super) struct Principal {
+    /// Eigenvector `[band]` of the second moments, with a sum of at least 0.
+    pub row: Vec<f64>,
+    /// Eigenvalue of that vector.
+    pub moment: f64,
+}
+
+/// Components by the second moments `[band][band]`, largest eigenvalue first. Cyclic Jacobi in f64 (Golub and Van Loan,
+/// section 8.5) in a fixed order, so the same bits everywhere.
+pub(super) fn principal(moments: &[f64], bands: usize) -> Vec<Principal> {
     let mut a = moments.to_vec();
     let mut v = vec![0.0; bands * bands];
     (0..bands).for_each(|i| v[i * bands + i] = 1.0);
@@ -37,7 +44,7 @@ pub(super) fn principal(moments: &[f64], bands: usize) -> Vec<Vec<f64>> {
     let rows = order.iter().map(|&i| {
         let row = &v[i * bands..][..bands];
         let sign = if row.iter().sum::<f64>() < 0.0 { -1.0 } else { 1.0 };
-        row.iter().map(|x| x * sign).collect()
+        Principal { row: row.iter().map(|x| x * sign).collect(), moment: a[i * bands + i] }
     });
     rows.collect()
 }
@@ -59,15 +66,17 @@ mod tests {
         for s in samples {
             (0..9).for_each(|i| moments[i] += s[i / 3] * s[i % 3]);
         }
-        let rows = principal(&moments, 3);
+        let components = principal(&moments, 3);
+        let rows: Vec<&[f64]> = components.iter().map(|component| component.row.as_slice()).collect();
         let dot = |a: &[f64], b: &[f64]| a.iter().zip(b).map(|(a, b)| a * b).sum::<f64>();
         for i in 0..3 {
             for j in 0..3 {
-                assert!((dot(&rows[i], &rows[j]) - f64::from(u8::from(i == j))).abs() < 1e-12);
+                assert!((dot(rows[i], rows[j]) - f64::from(u8::from(i == j))).abs() < 1e-12);
             }
         }
         let energy = |row: &[f64]| samples.iter().map(|s| dot(row, s) * dot(row, s)).sum::<f64>();
         let energies: Vec<f64> = rows.iter().map(|r| energy(r)).collect();
+        assert!(components.iter().zip(&energies).all(|(component, e)| (component.moment - e).abs() < 1e-12));
         assert!(energies[0] > energies[1] && energies[1] > energies[2], "{energies:?}");
         assert!((energies.iter().sum::<f64>() - (moments[0] + moments[4] + moments[8])).abs() < 1e-12);
     }

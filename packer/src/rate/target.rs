@@ -8,6 +8,11 @@ use crate::PackError;
 /// errors.
 pub const DEFAULT_TARGET: Target = Target::Both { psnr_db: 45.0, relative: 0.06 };
 
+/// Decibels better than the mean error asked for up to which a relative one is pursued.
+pub(super) const PURSUIT_DB: f64 = 12.0;
+/// Darker places, relative to the peak, are taken to be this bright: a relative error is not seen there.
+pub(super) const DARKEST: f32 = 1.0 / 256.0;
+
 /// The error that a coding may make.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Target {
@@ -31,6 +36,19 @@ impl Target {
             Target::Psnr(db) => (Some(db), None),
             Target::Relative(share) => (None, Some(share)),
             Target::Both { psnr_db, relative } => (Some(psnr_db), Some(relative)),
+        }
+    }
+
+    /// Least square error of a point, summed over so many bands and relative to the peak, that a coding is driven to.
+    pub(super) fn most_pursued(self, bands: usize) -> f64 {
+        let square = |db: f64| bands as f64 * libm::exp10(-db / 10.0);
+        match self {
+            Target::Psnr(db) => square(db),
+            Target::Both { psnr_db, .. } => square(psnr_db + PURSUIT_DB),
+            Target::Relative(share) => {
+                let least = share * f64::from(DARKEST);
+                least * least
+            }
         }
     }
 
