@@ -23,6 +23,7 @@ mod alike;
 mod backend;
 mod band;
 mod error;
+mod fields;
 mod first;
 mod fit;
 #[cfg(feature = "gpu")]
@@ -63,16 +64,20 @@ use flb_format::beam::{self, BEAM_RAYS, Beam, Near, NearBeam, Sites};
 use flb_format::field::CellBand;
 use flb_format::matter::TurbidMedium;
 use flb_format::progress::Progress;
-use flb_format::sun::{SunBlend, harmonics};
 use rayon::prelude::*;
 
 use crate::turbid::BandScatter;
 use alike::AlikeBands;
 use band::{Band, Own};
+#[cfg(test)]
+use fields::relative_rms;
+use fields::{BandLight, Making, blended};
 use lanes::LANES;
 use march::March;
 use refine::Refined;
-use scatter::{Lit, Scattering};
+#[cfg(test)]
+use scatter::Lit;
+use scatter::Scattering;
 
 /// Fields to solve for, and the resolution of the solve.
 #[derive(Debug, Clone, PartialEq)]
@@ -269,6 +274,7 @@ pub fn solve_among(
         open_sky: Vec::new(),
     };
     let spread = Spread::new(&sites, medium.grid.lattice);
+    let parted = |values: &[f32]| of_parts(values, refined.as_ref()).into_owned();
     let band = |number: usize| {
         let albedos = albedos.map(|albedos| of_parts(&albedos[number], refined.as_ref()));
         let transmitted = transmitted.map(|transmitted| of_parts(&transmitted[number], refined.as_ref()));
@@ -283,15 +289,15 @@ pub fn solve_among(
         Ok(lit)
     };
     let (marched, lit_sky) = (marched.as_slice(), open_sky.as_deref());
+    let making = Making { plan: &plan, beams: &beams, sky: sky.as_deref(), settings };
     let mut alike = match march.as_ref().filter(|_| bands.len() >= alike::MIN_BANDS && plan.held_out() > 0) {
         None => None,
         Some(march) => {
-            let held_out = beams[plan.fitted()..].iter().map(|near| near.beam.mean.as_slice());
-            let direct: Vec<&[f32]> = held_out.chain(sky.as_deref()).collect();
-            let size = [bands.len(), BANDS_AT_ONCE];
-            let made = |share: f64| progress(0.2 + 0.7 * share);
             let whole = Scattering::whole(march, &plan, marched, below, lit_sky, settings);
-            Some(AlikeBands::solve(&whole, &direct, &band, size, &scatter, &made)?)
+            let bands =
+                alike::Bands { count: bands.len(), at_once: BANDS_AT_ONCE, band: &band, parted: &parted };
+            let made = |share: f64| progress(0.2 + 0.7 * share);
+            Some(AlikeBands::solve(&whole, &making, &bands, &scatter, &made)?)
         }
     };
     // The rays take as much memory as all the rest.
@@ -303,19 +309,19 @@ pub fn solve_among(
             let done = first as f64 + share * some.len() as f64;
             progress(begun + (1.0 - begun) * done / bands.len() as f64)
         };
-        let lit = match &mut alike {
+        let light: Vec<BandLight> = match &mut alike {
             Some(alike) => some.clone().map(|number| alike.take(number)).collect(),
             None => {
                 let march = march.as_ref().expect("it goes after the last bands");
                 let whole = Scattering::whole(march, &plan, marched, below, lit_sky, settings);
-                scatter(&whole, &some.clone().map(band).collect::<Vec<_>>(), &made)?
+                making.light(scatter(&whole, &some.clone().map(band).collect::<Vec<_>>(), &made)?)
             }
         };
+        made(1.0)?;
         march = march.filter(|_| some.end < bands.len());
-        let fits = fits_of(&lit, &plan, &beams, settings);
-        for ((band, lit), fit) in some.zip(lit).zip(fits) {
-            total.values.push(total::of_light(&lit, &plan, &beams, sky.as_deref(), settings));
-            let (values, report) = fields_of(band as u32, lit, fit, &plan, &beams, sky.as_deref(), settings);
+        for (band, light) in some.zip(light) {
+            let (values, of_band, report) = making.fields(band as u32, light);
+            total.values.push(of_band);
             reports.push(report);
             fields.par_iter_mut().zip(values).for_each(|(field, values)| field.push(spread.band(&values)));
         }
@@ -355,76 +361,6 @@ fn beams_of(near: &Near, suns: &[Sun]) -> Vec<NearBeam> {
     beams.into_iter().zip(around).map(|(beam, around)| near.with_means(beam, around)).collect()
 }
 
-/// Fits each band, where the suns are harmonics.
-fn fits_of(
-    lit: &[Lit],
-    plan: &suns::SolvePlan,
-    beams: &[NearBeam],
-    settings: &OrdinatesSettings,
-) -> Vec<Option<Vec<Vec<f32>>>> {
-    let SunBasis::Harmonics { degree, single } = settings.suns else {
-        return lit.iter().map(|_| None).collect();
-    };
-    let fitted = plan.fitted();
-    let lights: Vec<&[Vec<f32>]> = lit.iter().map(|lit| &lit.light[..fitted]).collect();
-    let terms = Terms { degree, single };
-    fit::fit(&plan.suns[..fitted], terms, &beams[..fitted], &lights).into_iter().map(Some).collect()
-}
-
-/// The fields of one band, `[field][site]`; `fit` are those that are fitted.
-fn fields_of(
-    band: u32,
-    lit: Lit,
-    fit: Option<Vec<Vec<f32>>>,
-    plan: &suns::SolvePlan,
-    beams: &[NearBeam],
-    sky: Option<&[f32]>,
-    settings: &OrdinatesSettings,
-) -> (Vec<Vec<f32>>, BandReport) {
-    let Lit { mut light, solved: solves, passes, error_estimate } = lit;
-    let mut fields = Vec::new();
-    if let Some(sky) = sky {
-        let scattered = light.pop().expect("the sky is solved last");
-        fields.push(scattered.iter().zip(sky).map(|(scattered, direct)| scattered + direct).collect());
-    }
-    let fitted = plan.fitted();
-    let mut suns_rms = None;
-    let mut judged_by = |light_of: &dyn Fn(usize) -> Vec<f32>| {
-        let judges = fitted..plan.suns.len();
-        let errors = judges.map(|i| relative_rms(&light_of(i), &light[i], &beams[i].beam.mean));
-        suns_rms = Some(errors.sum::<f64>() / plan.held_out() as f64);
-    };
-    match &settings.suns {
-        SunBasis::Lattice18 => {}
-        SunBasis::Directions(list) => {
-            judged_by(&|i| {
-                let blend = list.blend(plan.suns[i].towards).expect("a unit vector has a blend");
-                blended(&blend, blend.bases.map(|base| light[usize::from(base) - 1].as_slice()))
-            });
-        }
-        &SunBasis::Harmonics { degree, single } => {
-            let terms = Terms { degree, single };
-            let mut fit = fit.expect("harmonics are fitted");
-            judged_by(&|i| evaluate(&fit, terms, plan.suns[i].towards, &beams[i]));
-            if settings.field == FieldKind::Total {
-                fit[harmonics::count(degree)].iter_mut().for_each(|of_beam| *of_beam += 1.0);
-            }
-            fields.append(&mut fit);
-        }
-    }
-    if !settings.suns.has_near_beam() {
-        light.truncate(fitted);
-        if settings.field == FieldKind::Total {
-            for (light, beam) in light.iter_mut().zip(beams) {
-                light.iter_mut().zip(&beam.beam.mean).for_each(|(light, direct)| *light += direct);
-            }
-        }
-        fields.append(&mut light);
-    }
-    let converged = error_estimate <= settings.tolerance;
-    (fields, BandReport { band, solves, passes, error_estimate, converged, suns_rms })
-}
-
 impl OrdinatesSolution {
     /// Light of a sun at the non-empty `sites` in one band, as a renderer evaluates the fields of `suns` with the near
     /// beam of that sun: scattered, or total where the fields were solved as such.
@@ -459,24 +395,6 @@ impl OrdinatesSolution {
             }
         }
     }
-}
-
-/// The weighted sum of three bases, site by site.
-fn blended(blend: &SunBlend, bases: [&[f32]; 3]) -> Vec<f32> {
-    let of = |site: usize| (0..3).map(|k| blend.weights[k] * bases[k][site]).sum();
-    (0..bases[0].len()).map(of).collect()
-}
-
-/// Rms of the difference of two scattered fluences, relative to the mean total fluence. 0 without sites.
-fn relative_rms(found: &[f32], truth: &[f32], direct: &[f32]) -> f64 {
-    let (mut square, mut total) = (0.0, 0.0);
-    for ((found, truth), direct) in found.iter().zip(truth).zip(direct) {
-        let difference = f64::from(*found) - f64::from(*truth);
-        square += difference * difference;
-        total += f64::from(*truth) + f64::from(*direct);
-    }
-    let count = truth.len() as f64;
-    if total > 0.0 { libm::sqrt(square / count) / (total / count) } else { 0.0 }
 }
 
 /// Solves go through all lanes of their groups; one of the last is the sky's.

@@ -11,6 +11,8 @@ pub(super) struct Band {
     pub matter: SiteScattering,
     pub gains: ScatteringMoments,
     pub moments: usize,
+    /// Guess of the scattered fluence under each sun of a plan, the sky last, `[sun][site]`, where there is one.
+    pub guess: Option<Vec<Vec<f32>>>,
 }
 
 /// Light that is scattered more than once is taken for even in direction, where albedo x mean cosine is no more than
@@ -64,7 +66,7 @@ impl Band {
             .enumerate()
             .map(|(place, share)| std::array::from_fn(|i| (share[i] * albedo(place, i)) as f32));
         let matter = SiteScattering { albedos: albedos.collect(), phases: both.map(|matter| matter.phase) };
-        Band { matter, gains: ScatteringMoments(gains.collect()), moments }
+        Band { matter, gains: ScatteringMoments(gains.collect()), moments, guess: None }
     }
 
     /// Facets of which each site's leaves let another share through. All that is scattered either passes a facet or
@@ -93,7 +95,7 @@ impl Band {
         let slanted = gains.iter().any(|gain| f64::from(gain[1].abs()) > NEARLY_EVEN);
         let albedos = shares.iter().map(|share| share.map(|share| share as f32)).collect();
         let matter = SiteScattering { albedos, phases };
-        Band { matter, gains: ScatteringMoments(gains), moments: if slanted { 4 } else { 1 } }
+        Band { matter, gains: ScatteringMoments(gains), moments: if slanted { 4 } else { 1 }, guess: None }
     }
 }
 

@@ -163,7 +163,7 @@ impl Scattering<'_> {
             part.joined(smooth.as_ref(), |wanted| {
                 let relaxed = |wanted: &[Wanted<M>]| {
                     let (first, sizes) = (firsts_of(wanted), sizes_of(wanted));
-                    source_iteration(self.march, &band.gains, &first, sizes, tolerance, max_passes)
+                    source_iteration(self.march, &band.gains, &first, None, sizes, tolerance, max_passes)
                 };
                 Ok(wanted.par_chunks(LANES).map(relaxed).collect())
             })
@@ -197,9 +197,10 @@ impl Scattering<'_> {
             group.set_sky(&mut first, &lane_of(&once, 0));
         }
         let OrdinatesSettings { tolerance, max_passes, .. } = *self.settings;
+        let (start, sizes) = (group.start(band, &first), [0.0; LANES]);
         Part::solved(
             group,
-            source_iteration(self.march, &band.gains, &first, [0.0; LANES], tolerance, max_passes),
+            source_iteration(self.march, &band.gains, &first, start, sizes, tolerance, max_passes),
         )
     }
 
@@ -297,6 +298,16 @@ pub(super) struct Group<'a> {
 impl Group<'_> {
     fn lanes(&self) -> usize {
         self.beams.len() + usize::from(self.sky)
+    }
+
+    /// Guess of the light of a band, where there is one; of moments but the fluence, those of the light scattered once.
+    pub(super) fn start<const M: usize>(&self, band: &Band, first: &Moments<M>) -> Option<Moments<M>> {
+        let guess = &band.guess.as_ref()?[self.first_sun..];
+        let mut start = first.clone();
+        for (lane, guess) in guess.iter().enumerate().take(self.lanes()) {
+            start.iter_mut().zip(guess).for_each(|(moments, guess)| moments[0].0[lane] = *guess);
+        }
+        Some(start)
     }
 
     /// Puts light of the sky beside that of the suns.

@@ -48,17 +48,19 @@ fn sending_out<const M: usize>(
     })
 }
 
-/// Iterates until the estimated error of every lane is within `tolerance`, or `most` passes are done. Errors are
-/// relative to the light of the lane, or to a greater one: `sizes` are sums of squares.
+/// Iterates from `start`, else from the light scattered once, until the estimated error of every lane is within
+/// `tolerance`, or `most` passes are done. Errors are relative to the light of the lane, or to a greater one: `sizes`
+/// are sums of squares.
 pub(super) fn source_iteration<const M: usize>(
     march: &March,
     gains: &ScatteringMoments,
     first: &Moments<M>,
+    start: Option<Moments<M>>,
     sizes: [f64; LANES],
     tolerance: f64,
     most: u32,
 ) -> Relaxed<M> {
-    let mut light = first.clone();
+    let mut light = start.unwrap_or_else(|| first.clone());
     let mut sites = Vec::with_capacity(first.len());
     let mut step = vec![[Lanes::default(); M]; first.len()];
     let mut mixing = Mixing { before: None, kept: Vec::new() };

@@ -4,7 +4,6 @@ use flb_format::beam::{NearBeam, means};
 use flb_format::sun::harmonics;
 use rayon::prelude::*;
 
-use super::scatter::Lit;
 use super::{OrdinatesSettings, SunBasis, suns};
 
 /// Scattered light and beam together at the non-empty sites: of the sky, and of every field of suns but those of the
@@ -22,23 +21,20 @@ pub struct TotalLight {
     pub open_sky: Vec<f32>,
 }
 
-/// Scattered light and beams together, `[item][site]`: see [`TotalLight`].
-pub(super) fn of_light(
-    lit: &Lit,
+/// Scattered light of suns and their beams together, `[item][site]`: see [`TotalLight`].
+pub(super) fn of_suns(
+    light: &[Vec<f32>],
     plan: &suns::SolvePlan,
     beams: &[NearBeam],
-    sky: Option<&[f32]>,
     settings: &OrdinatesSettings,
 ) -> Vec<Vec<f32>> {
-    let added = |scattered: &[f32], direct: &[f32]| -> Vec<f32> {
-        scattered.iter().zip(direct).map(|(scattered, direct)| scattered + direct).collect()
-    };
-    let of_sky = sky.map(|sky| added(lit.light.last().expect("the sky is solved last"), sky));
-    let suns = plan.suns.iter().zip(&lit.light).zip(beams).take(plan.fitted());
-    let of_suns: Vec<Vec<f32>> = match settings.suns {
-        SunBasis::Lattice18 | SunBasis::Directions(_) => {
-            suns.map(|((_, light), near)| added(light, &near.beam.mean)).collect()
-        }
+    let suns = plan.suns.iter().zip(light).zip(beams).take(plan.fitted());
+    match settings.suns {
+        SunBasis::Lattice18 | SunBasis::Directions(_) => suns
+            .map(|((_, light), near)| {
+                light.iter().zip(&near.beam.mean).map(|(scattered, direct)| scattered + direct).collect()
+            })
+            .collect(),
         SunBasis::Harmonics { degree, .. } => {
             let mut fields = vec![vec![0.0_f32; beams[0].beam.mean.len()]; harmonics::count(degree)];
             for ((sun, light), near) in suns {
@@ -54,8 +50,7 @@ pub(super) fn of_light(
             }
             fields
         }
-    };
-    of_sky.into_iter().chain(of_suns).collect()
+    }
 }
 
 /// The means of the near beam projected on each harmonic, `[harmonic][mean][site]`; nothing where there are none.

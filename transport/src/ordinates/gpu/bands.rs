@@ -87,8 +87,12 @@ impl Scatter<'_> {
                         }
                     }
                     let sizes = vec![[0.0; LANES]; groups.len()];
-                    let firsts: Vec<_> = firsts.iter().collect();
-                    let solved = relax(&work, &band.gains, &firsts, &sizes, self.end())?;
+                    let of_groups = groups.iter().zip(&firsts);
+                    let guesses: Vec<_> = of_groups.map(|(group, first)| group.start(band, first)).collect();
+                    let starts =
+                        guesses.iter().zip(&firsts).map(|(guess, first)| guess.as_ref().unwrap_or(first));
+                    let (firsts, starts): (Vec<_>, Vec<_>) = firsts.iter().zip(starts).unzip();
+                    let solved = relax(&work, &band.gains, &firsts, &starts, &sizes, self.end())?;
                     groups.iter().zip(solved).map(|(group, solved)| Part::solved(group, solved)).collect()
                 }
             };
@@ -102,7 +106,7 @@ impl Scatter<'_> {
                 let sizes: Vec<[f64; LANES]> = some.chunks(LANES).map(sizes_of).collect();
                 let work = self.work::<M>(band, firsts.len() * LANES)?;
                 let firsts: Vec<_> = firsts.iter().collect();
-                solved.extend(relax(&work, &band.gains, &firsts, &sizes, self.end())?);
+                solved.extend(relax(&work, &band.gains, &firsts, &firsts, &sizes, self.end())?);
             }
             Ok(solved)
         })

@@ -19,18 +19,19 @@ pub(super) struct End {
     pub most: u32,
 }
 
-/// Solves for the light of each group from its first scattering. Errors are relative to the light of a lane, or to a
-/// greater one: `sizes` are sums of squares.
+/// Solves for the light of each group from its first scattering, beginning with `starts`. Errors are relative to the
+/// light of a lane, or to a greater one: `sizes` are sums of squares.
 pub(super) fn relax<const M: usize>(
     work: &Work,
     gains: &ScatteringMoments,
     firsts: &[&Moments<M>],
+    starts: &[&Moments<M>],
     sizes: &[[f64; LANES]],
     end: End,
 ) -> Result<Vec<Relaxed<M>>, GpuError> {
     let iteration = Iteration::new(work)?;
     work.write(&iteration.first, firsts);
-    work.write(&work.light, firsts);
+    work.write(&work.light, starts);
     let mut courses: Vec<Course> = firsts.iter().map(|_| Course::new(gains)).collect();
     let mut at_work = vec![true; firsts.len()];
     let mut passes = 0;

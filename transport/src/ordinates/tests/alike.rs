@@ -38,6 +38,7 @@ fn many_bands_have_nearly_the_light_that_each_has_alone() {
     let whole = together.reports.iter().filter(|report| report.solves == settings.solves()).count();
     assert!((4..=12).contains(&whole), "{whole} of 24 bands were solved for every sun");
     let suns = [[0.48, 0.6, 0.64], [0.8, 0.0, -0.6], [0.0, 1.0, 0.0]];
+    let (mut passes, mut passes_alone) = (0, 0);
     for (number, band) in (0u32..).zip(&bands) {
         let alone = solved(&medium, *band, &settings);
         for sun in suns {
@@ -47,11 +48,20 @@ fn many_bands_have_nearly_the_light_that_each_has_alone() {
             let off = relative_rms(&of(&together, number), &of(&alone, 0), &beam.beam.mean);
             assert!(off < 1e-3, "band {number}: {off}");
         }
+        let (reports, alone_passes) = (&together.reports, alone.reports[0].passes);
         let [together, alone] =
             [&together.reports[number as usize], &alone.reports[0]].map(|of| of.suns_rms.unwrap());
         assert!((together / alone - 1.0).abs() < 0.05, "band {number}: stated {together}, alone {alone}");
         assert!(together > 0.0);
+        let report = &reports[number as usize];
+        assert!(report.converged, "band {number}");
+        if report.solves < settings.solves() {
+            passes += report.passes;
+            passes_alone += alone_passes;
+        }
     }
+    // They start from a guess.
+    assert!(10 * passes < 6 * passes_alone, "{passes} passes, alone {passes_alone}");
 }
 
 #[test]
