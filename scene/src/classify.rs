@@ -7,16 +7,22 @@
 //!    leaf, 6. if all that is decided so far is leaf, an opaque rest is wood.
 //!
 //! A name that ends in a noun of something that is no plant (`flower_pot`) ends the search: neither alpha nor the rest
-//! of the plant tells what a pot is. Whatever is still open is an error that shows the materials and the flags, never a
-//! guess. Neither is what the user says is neither: a pot or the ground shades the plant, so it is not left out
-//! unasked.
+//! of the plant tells what a pot is. So does a part that is none of the plant's, as `UCX_trunk`, whatever material it
+//! wears; a name of both a leaf and a trunk; and green cards, cut by alpha, whose name is one of wood.
+//!
+//! Whatever is still open is an error that shows the materials and the flags, never a guess. Neither is what the user
+//! says is neither: a pot or the ground shades the plant, so it is not left out unasked.
 
+mod cards;
+mod flags;
 pub mod table;
 pub mod words;
 
 use self::words::Told;
 use crate::class::MaterialClass;
-use crate::import::{ImportError, cut_share, is_met_by, quoted, splits, told_of_part};
+use crate::import::{
+    ImportError, Things, cut_share, is_met_by, quoted, splits, told_of_material, told_of_part,
+};
 use crate::mesh::{AlphaMode, Mesh, Part};
 use crate::name_pattern::NamePattern;
 
@@ -80,7 +86,7 @@ pub struct Classified {
 pub fn classify(mesh: &Mesh, rules: &ClassRules) -> Result<Vec<Classified>, ImportError> {
     let found = found(mesh, rules)?;
     let shown = || table::text_table(&table::rows(mesh, &found));
-    let open: Vec<&str> = undecided(mesh, &found);
+    let open = flags::undecided(mesh, &found);
     if !open.is_empty() {
         let flags: Vec<String> = open
             .iter()
@@ -142,7 +148,12 @@ pub fn found(mesh: &Mesh, rules: &ClassRules) -> Result<Vec<Found>, ImportError>
     let resolved = evidence.iter().zip(&mesh.materials).map(|(evidence, material)| match evidence {
         Evidence::Unused => Found::Unused,
         Evidence::Class(known) => Found::Class(known.clone()),
-        Evidence::Foreign(word) => Found::Open(format!("'{word}' is no word of a plant")),
+        Evidence::Foreign(word) => Found::Open(format!("{word} is no word of a plant")),
+        Evidence::Both([leaf, wood]) => Found::Open(format!("its name says both '{leaf}' and '{wood}'")),
+        Evidence::Card(word, cut) => Found::Open(format!(
+            "'{word}' in its name is of wood, but alpha cuts {:.0} % of it away and what is left is green",
+            100.0 * cut
+        )),
         Evidence::Unsure(word) => Found::Open(format!("'{word}' in its name is not known")),
         Evidence::Nothing if all_leaf && material.alpha_mode == AlphaMode::Opaque => {
             let rule = "opaque, and the rest of the plant is leaf: taken as wood".to_owned();
@@ -153,22 +164,12 @@ pub fn found(mesh: &Mesh, rules: &ClassRules) -> Result<Vec<Found>, ImportError>
     Ok(resolved.collect())
 }
 
-/// Names of the materials that no rule decides, each once.
-fn undecided<'a>(mesh: &'a Mesh, found: &[Found]) -> Vec<&'a str> {
-    let mut names: Vec<&str> = Vec::new();
-    for (material, found) in mesh.materials.iter().zip(found) {
-        if matches!(found, Found::Open(_)) && !names.contains(&material.name.as_str()) {
-            names.push(&material.name);
-        }
-    }
-    names
-}
-
 /// Which parts use which material.
 struct Users<'m> {
     mesh: &'m Mesh,
     /// `[material]`: indices of parts.
     parts: Vec<Vec<u32>>,
+    things: Things,
 }
 
 impl Users<'_> {
@@ -177,7 +178,17 @@ impl Users<'_> {
         for (at, part) in mesh.parts.iter().enumerate() {
             part.uses.iter().for_each(|used| parts[used.material as usize].push(at as u32));
         }
-        Users { mesh, parts }
+        let told: Vec<Option<Told>> =
+            mesh.materials.iter().map(|material| told_of_material(&mesh.images, material)).collect();
+        let used = |part: &Part| part.uses.iter().map(|used| used.material).collect();
+        let things = Things::of(&told, &mesh.parts, || mesh.parts.iter().map(used).collect());
+        Users { mesh, parts, things }
+    }
+
+    /// Whether a material is used, and by nothing but parts that are no part of the plant.
+    fn is_of_things(&self, material: usize) -> bool {
+        let parts = &self.parts[material];
+        !parts.is_empty() && parts.iter().all(|&part| self.things.has(part))
     }
 
     fn parts(&self, material: usize) -> impl Iterator<Item = &Part> {
@@ -190,6 +201,10 @@ enum Evidence {
     Unused,
     Class(Classified),
     Foreign(String),
+    /// A leaf word and a wood word.
+    Both([String; 2]),
+    /// A wood word, and the share that alpha cuts away of what is green.
+    Card(String, f64),
     Unsure(String),
     Nothing,
 }
@@ -202,20 +217,39 @@ fn by_itself(users: &Users, index: usize, patterns: &Patterns) -> Evidence {
     if let Some(pattern) = patterns.find(users, index) {
         return decided(pattern.class, format!("{} '{}'", pattern.origin, pattern.text));
     }
+    if users.is_of_things(index)
+        && let Some(evidence) = by_parts(users, index)
+    {
+        return evidence;
+    }
     let image = material.color_texture.and_then(|texture| mesh.images.get(texture.image as usize));
     let mut unsure = None;
+    let mut both = None;
     let own = [Some((material.name.as_str(), "its name".to_owned()))];
     let of_image = image.map(|image| (image.stem(), format!("the name of its texture '{}'", image.name)));
     for (name, place) in own.into_iter().chain([of_image]).flatten() {
         match words::told(name) {
-            Told::Class(class, word) => return decided(class, format!("'{word}' in {place}")),
-            Told::Foreign(word) => return Evidence::Foreign(word),
+            Told::Class(class, word) => {
+                let cut = (class == MaterialClass::Wood).then(|| cards::cut_of_green(mesh, index)).flatten();
+                return match cut {
+                    Some(cut) => Evidence::Card(word, cut),
+                    None => decided(class, format!("'{word}' in {place}")),
+                };
+            }
+            Told::Foreign(word) => return Evidence::Foreign(format!("'{word}'")),
+            Told::Both(words) => {
+                both = Some(words);
+                break;
+            }
             Told::Unsure(word) => unsure = unsure.or(Some(word)),
             Told::Nothing => {}
         }
     }
     if let Some(evidence) = by_parts(users, index) {
         return evidence;
+    }
+    if let Some(words) = both {
+        return Evidence::Both(words);
     }
     match material.diffuse_transmission {
         Some(factor) if factor > 0.0 => {
@@ -267,8 +301,10 @@ fn by_parts(users: &Users, index: usize) -> Option<Evidence> {
             let rule = format!("'{word}' in the name of its part '{}'", quoted(name));
             Some(Evidence::Class(Classified { class, rule }))
         }
-        (Told::Foreign(word), _) => Some(Evidence::Foreign(word)),
-        (Told::Unsure(_) | Told::Nothing, _) => None,
+        (Told::Foreign(word), name) => {
+            Some(Evidence::Foreign(format!("'{word}' in the name of its part '{}'", quoted(name))))
+        }
+        (Told::Both(_) | Told::Unsure(_) | Told::Nothing, _) => None,
     }
 }
 

@@ -17,6 +17,7 @@ mod points;
 mod soup;
 mod split;
 mod split_patterns;
+mod things;
 
 use std::io::Read;
 use std::path::Path;
@@ -30,8 +31,9 @@ pub use self::memory::{ask, reserve};
 pub use self::named::named_files;
 pub(crate) use self::png::leave_out_metadata;
 pub use self::soup::{Up, area};
-pub use self::split::told_of_part;
 pub use self::split_patterns::{is_met_by, splits};
+pub use self::things::told_of_part;
+pub(crate) use self::things::{Things, told_of_material};
 
 use self::blend::place_blends;
 use self::choice::Choice;

@@ -124,6 +124,8 @@ pub struct Material {
     /// Texture whose A channel multiplies `diffuse_transmission`: while a file is read only, before materials are split
     /// by it.
     pub passing_texture: Option<Texture>,
+    /// Texture whose colour multiplies `transmission_color`, likewise.
+    pub passing_color_texture: Option<Texture>,
     /// Whether the alpha of the colour image may mean something else than where the surface is: no file says that it
     /// cuts.
     pub is_alpha_guessed: bool,
@@ -144,6 +146,7 @@ impl Material {
             diffuse_transmission: None,
             transmission_color: None,
             passing_texture: None,
+            passing_color_texture: None,
             is_alpha_guessed: false,
             surface: None,
         }

@@ -181,3 +181,33 @@ fn a_material_without_triangles_is_not_asked_for() {
     assert_eq!((rows[0].triangles, rows[0].area_m2, rows[0].class), (1, 0.5, "leaf"));
     assert_eq!((rows[1].triangles, rows[1].class, rows[1].rule.as_str()), (0, "neither", "no triangles"));
 }
+
+#[test]
+fn a_material_of_both_is_open_unless_its_parts_say_more() {
+    let mut atlas = with_texture(mesh(&["leaves", "leaf_bark_atlas"]), 1, "a.png", 5, CUT);
+    let error = classify(&atlas, &ClassRules::default()).unwrap_err().to_string();
+    assert!(error.contains("its name says both 'leaf' and 'bark'"), "{error}");
+    assert!(error.contains("known: 'leaf_bark_atlas'\n"), "{error}");
+    atlas.parts = vec![part(&["Trunk"], 1)];
+    assert_eq!(classes(&atlas, &ClassRules::default()), [Leaf, Wood]);
+}
+
+#[test]
+fn green_cards_of_wood_are_open() {
+    let of = |cut: usize, color: [u8; 3]| {
+        let mut cards = with_texture(mesh(&["leaves", "branches"]), 1, "a.png", cut, CUT);
+        cards.uvs = vec![[0.0, 0.0], [1.0, 0.0], [0.5, 1.0]];
+        cards.images[0]
+            .rgba
+            .as_chunks_mut::<4>()
+            .0
+            .iter_mut()
+            .for_each(|texel| texel[..3].copy_from_slice(&color));
+        classify(&cards, &ClassRules::default())
+    };
+    let error = of(6, [89, 149, 63]).unwrap_err().to_string();
+    assert!(error.contains("'branches' in its name is of wood, but alpha cuts"), "{error}");
+    for (cut, color) in [(6, [89, 70, 63]), (2, [89, 149, 63])] {
+        assert_eq!(of(cut, color).unwrap()[1].class, Wood, "{cut} {color:?}");
+    }
+}

@@ -6,13 +6,18 @@
 //! Where a name holds words of both kinds, the LAST one decides, as in compounds of English and
 //! German: `leaf_stem` is wood, `branch_leaves` is leaf. So a last noun that is no plant's, as in
 //! `flower_pot` and `grass_ground`, or that is not known, as in `leaf_tray`, leaves the class open.
+//! Where both things are meant, as in `leaf_bark_atlas` and `branches_leaves`, neither decides. What an engine keeps
+//! beside a plant, as `UCX_trunk` and `leaves_billboard`, is no part of it, wherever the word stands.
 
 mod lists;
 
 use std::collections::HashMap;
 use std::sync::LazyLock;
 
-use lists::{FOREIGN, FOREIGN_WITHIN, LEAF, LEAF_WITHIN, NEUTRAL, PLURALS, WOOD, WOOD_WITHIN};
+use lists::{
+    AND, FOREIGN, FOREIGN_WITHIN, LEAF, LEAF_WITHIN, LEAVES, NEUTRAL, PLURALS, STAND_INS, STAND_INS_WITHIN,
+    TRUNKS, WOOD, WOOD_WITHIN,
+};
 use unicode_normalization::UnicodeNormalization;
 
 use crate::class::MaterialClass;
@@ -24,6 +29,8 @@ pub enum Told {
     Class(MaterialClass, String),
     /// Word of something that is no plant: only its user knows what it is to the light.
     Foreign(String),
+    /// A leaf word and a wood word, both of which are meant.
+    Both([String; 2]),
     /// A class word before a noun that is not known: the noun.
     Unsure(String),
     /// No word of a class.
@@ -32,14 +39,17 @@ pub enum Told {
 
 /// Reads the evidence of a name for a class.
 pub fn told(name: &str) -> Told {
-    // Some systems write an umlaut as a letter and a mark.
-    let parts = parts_of(&name.nfc().collect::<String>());
+    let parts = parts_of_name(name);
+    if let Some(word) = stand_in_of(&parts) {
+        return Told::Foreign(word);
+    }
     let mut unknown: Option<&String> = None;
-    for part in parts.iter().rev() {
+    for (at, part) in parts.iter().enumerate().rev() {
         match told_by_part(part) {
             Told::Class(class, word) => match unknown {
                 Some(noun) if !is_in(PLURALS, part) => return Told::Unsure(noun.clone()),
-                _ => return Told::Class(class, word),
+                _ if at > 0 && parts[0] == "col" => return Told::Foreign(parts[0].clone()),
+                _ => return both(&parts[..=at], class).unwrap_or(Told::Class(class, word)),
             },
             Told::Nothing if is_neutral(part) => {}
             Told::Nothing => unknown = unknown.or(Some(part)),
@@ -50,11 +60,65 @@ pub fn told(name: &str) -> Told {
     Told::Nothing
 }
 
+/// The word of a name that says it is something beside a plant that stands for it.
+pub fn stand_in(name: &str) -> Option<String> {
+    stand_in_of(&parts_of_name(name))
+}
+
+fn stand_in_of(parts: &[String]) -> Option<String> {
+    let is = |part: &&String| {
+        is_in(STAND_INS, part) || STAND_INS_WITHIN.split_whitespace().any(|word| part.ends_with(word))
+    };
+    parts.iter().find(is).cloned()
+}
+
+/// Whether the last of `parts`, a word of `class`, and one before it are both meant.
+fn both(parts: &[String], class: MaterialClass) -> Option<Told> {
+    let (last, before) = parts.split_last()?;
+    let said = |[first, last]: [&str; 2]| match class {
+        MaterialClass::Leaf => Told::Both([last.to_owned(), first.to_owned()]),
+        _ => Told::Both([first.to_owned(), last.to_owned()]),
+    };
+    // `trunkleaf`.
+    let halves = |first: &str, second: &str| {
+        let start = first.split_whitespace().find(|word| word.len() > 2 && last.starts_with(word))?;
+        let end =
+            second.split_whitespace().find(|word| word.len() > 2 && last[start.len()..].ends_with(word))?;
+        Some(said([start, end]))
+    };
+    if let Some(found) = halves(LEAVES, TRUNKS).or_else(|| halves(TRUNKS, LEAVES)) {
+        return Some(found);
+    }
+    let mut joined = false;
+    let mut is_next = true;
+    for part in before.iter().rev() {
+        joined |= is_in(AND, part);
+        match told_by_part(part) {
+            Told::Class(other, _) if other != class => {
+                let [leaf, wood] = if class == MaterialClass::Leaf { [last, part] } else { [part, last] };
+                let several = is_in(PLURALS, part) && !is_in(TRUNKS, part) || part == "trunks";
+                let two = is_in(LEAVES, leaf) && (several || is_next && is_in(TRUNKS, wood));
+                if two || joined {
+                    return Some(said([part, last]));
+                }
+            }
+            _ => {}
+        }
+        is_next &= is_in(AND, part);
+    }
+    None
+}
+
+fn parts_of_name(name: &str) -> Vec<String> {
+    // Some systems write an umlaut as a letter and a mark.
+    parts_of(&name.nfc().collect::<String>())
+}
+
 /// The class that a name tells, and the word that tells it.
 pub fn class_of_name(name: &str) -> Option<(MaterialClass, String)> {
     match told(name) {
         Told::Class(class, word) => Some((class, word)),
-        Told::Foreign(_) | Told::Unsure(_) | Told::Nothing => None,
+        Told::Foreign(_) | Told::Both(_) | Told::Unsure(_) | Told::Nothing => None,
     }
 }
 
@@ -205,6 +269,15 @@ mod tests {
             "soil",
             "leaf_planter_lod0",
             "UCX_hull",
+            "UCX_trunk_01",
+            "collision_bark",
+            "col_bark",
+            "Occluder_trunk",
+            "trunk_collider",
+            "tree-colonly",
+            "TreeCollider",
+            "leaves_billboard",
+            "Impostor_Leaves",
         ];
         for name in foreign {
             assert!(matches!(told(name), Told::Foreign(_)), "{name}: {:?}", told(name));
@@ -212,12 +285,50 @@ mod tests {
         for name in ["leaf_beetle", "flower_seller", "branch_office_2"] {
             assert!(matches!(told(name), Told::Unsure(_)), "{name}: {:?}", told(name));
         }
-        assert_eq!(told("Plant_A"), Told::Nothing);
+        for name in ["Plant_A", "col", "col_0", "Tree_Base"] {
+            assert!(!matches!(told(name), Told::Foreign(_)), "{name}");
+        }
+    }
+
+    #[test]
+    fn a_name_of_two_things_says_neither() {
+        let both = [
+            "leaf_bark_atlas",
+            "Oak_Bark_Leaf_Atlas",
+            "leaves_and_trunk",
+            "trunkleaf",
+            "leafbark2",
+            "TreeTrunkLeaves",
+            "branches_leaves",
+            "BranchesLeaves",
+            "Leaves_Oak_Bark",
+            "leaf_and_stem",
+            "Rinde_und_Laub",
+        ];
+        for name in both {
+            assert!(matches!(told(name), Told::Both(_)), "{name}: {:?}", told(name));
+        }
+        assert_eq!(told("leaf_bark_atlas"), Told::Both(["leaf".to_owned(), "bark".to_owned()]));
+        assert_eq!(told("TreeTrunkLeaves"), Told::Both(["leaves".to_owned(), "trunk".to_owned()]));
+        let one = [
+            ("cherry_blossom_bark", Wood),
+            ("tree_fern_trunk", Wood),
+            ("moss_bark", Wood),
+            ("Broadleaf_Trunk", Wood),
+            ("big_leaf_maple_bark", Wood),
+            ("paperbark_leaf", Leaf),
+            ("stem_leaf", Leaf),
+            ("twig_bark", Wood),
+            ("leaf_stem", Wood),
+        ];
+        for (name, class) in one {
+            assert_eq!(class_of_name(name).map(|(class, _)| class), Some(class), "{name}");
+        }
     }
 
     #[test]
     fn no_word_is_in_two_lists() {
-        let lists = [LEAF, WOOD, FOREIGN, NEUTRAL];
+        let lists = [LEAF, WOOD, FOREIGN, NEUTRAL, STAND_INS, AND];
         for (at, list) in lists.iter().enumerate() {
             for word in list.split_whitespace() {
                 assert!(lists[at + 1..].iter().all(|other| !is_in(other, word)), "{word}");
@@ -227,7 +338,10 @@ mod tests {
 
     #[test]
     fn words_are_written_as_parts_are() {
-        for word in [LEAF, WOOD, FOREIGN, NEUTRAL, PLURALS].iter().flat_map(|list| list.split_whitespace()) {
+        for word in [LEAF, WOOD, FOREIGN, NEUTRAL, PLURALS, STAND_INS, LEAVES, TRUNKS]
+            .iter()
+            .flat_map(|list| list.split_whitespace())
+        {
             assert_eq!(parts_of(word), [word], "{word} could never match");
         }
     }

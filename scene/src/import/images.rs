@@ -89,9 +89,10 @@ impl Images {
 
     /// Whether one of the textures of a material differs from place to place.
     pub(super) fn differ_in(&self, material: &Material) -> bool {
-        let textures = [material.color_texture, material.alpha_texture, material.passing_texture];
-        let images = textures.into_iter().flatten().map(|texture| &self.images[texture.image as usize]);
-        images.into_iter().any(|image| image.width > 1 || image.height > 1)
+        let passing = [material.passing_texture, material.passing_color_texture];
+        let textures = [material.color_texture, material.alpha_texture].into_iter().chain(passing);
+        let mut images = textures.flatten().map(|texture| &self.images[texture.image as usize]);
+        images.any(|image| image.width > 1 || image.height > 1)
     }
 
     /// A second image with the coverage of `image` in its alpha, white otherwise.

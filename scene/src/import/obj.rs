@@ -9,6 +9,7 @@ mod library;
 mod mtl;
 mod parse;
 mod polygon;
+mod vertex_colors;
 
 use std::path::Path;
 

@@ -152,6 +152,9 @@ const STEPS_PER_EDGE: f64 = 16.0;
 /// The same where numbers were written with few digits: rounding that may be meant, as to whole centimetres, passes.
 const DIGIT_STEPS_PER_EDGE: f64 = 2.0;
 
+/// The largest share of triangles that may be smaller than that: leaves may be small where a trunk has long edges.
+const MAX_SMALL: f64 = 0.25;
+
 /// In what far coordinates were stored.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) enum Stored {
@@ -173,28 +176,36 @@ pub(super) fn check_steps(
     if !reach.is_far() {
         return Ok(());
     }
-    let (mut sum, mut count) = (0.0, 0u64);
-    for [a, b, c] in triangles {
-        for (from, to) in [(a, b), (b, c), (c, a)] {
-            sum += (0..3).map(|axis| (to[axis] - from[axis]) * (to[axis] - from[axis])).sum::<f64>();
-            count += 1;
-        }
-    }
-    let edge = (sum / count.max(1) as f64).sqrt();
     let (step, least, how) = match stored {
         Stored::F32 => (reach.step(), STEPS_PER_EDGE, "in numbers of 32 bits, whose steps are"),
         Stored::Digits(step) => (step, DIGIT_STEPS_PER_EDGE, "with so few digits that their steps are"),
     };
-    if count == 0 || edge >= least * step {
+    let (mut sum, mut count, mut small) = (0.0, 0u64, 0u64);
+    for [a, b, c] in triangles {
+        let mut longest: f64 = 0.0;
+        for (from, to) in [(a, b), (b, c), (c, a)] {
+            let squared = (0..3).map(|axis| (to[axis] - from[axis]) * (to[axis] - from[axis])).sum::<f64>();
+            sum += squared;
+            longest = longest.max(squared);
+        }
+        count += 1;
+        small += u64::from(longest.sqrt() < least * step);
+    }
+    let edge = (sum / (3 * count).max(1) as f64).sqrt();
+    let share = small as f64 / count.max(1) as f64;
+    let edges = match stored {
+        _ if edge < least * step => format!("edges of {} in the mean", crate::extents::number(edge)),
+        Stored::Digits(_) if share > MAX_SMALL => {
+            format!("{:.0} % of the triangles within {least} steps", 100.0 * share)
+        }
+        _ => return Ok(()),
+    };
+    if count == 0 {
         return Ok(());
     }
     Err(files.malformed(
         place,
-        format!(
-            "coordinates of {:.0} {how} {step} there, and edges of {} in the mean",
-            reach.farthest(),
-            crate::extents::number(edge)
-        ),
+        format!("coordinates of {:.0} {how} {step} there, and {edges}", reach.farthest(),),
         format!(
             "edges of {least} steps at least: the shape is lost in the file; export the plant near its origin"
         ),

@@ -113,6 +113,17 @@ pub(super) struct Finished {
     pub triangle_part: Vec<u32>,
     /// Factor on the alpha of its material at each vertex, from 0 to 1; empty where all are 1.
     pub alphas: Vec<f32>,
+    /// What parts have in common with others.
+    pub lent: Vec<Lent>,
+}
+
+/// A triangle that a part had, too, exactly where another part has it.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) struct Lent {
+    /// The part that lost it.
+    pub part: u32,
+    /// The one that stays.
+    pub triangle: u32,
 }
 
 /// A triangle counts as having no area where its area is below this share of its longest edge
@@ -204,9 +215,9 @@ impl Soup {
         self.colors.iter_mut().for_each(|color| *color = of(*color));
     }
 
-    /// The largest value of R, G, B of all vertices.
-    pub(super) fn largest_color(&self) -> f32 {
-        self.colors.iter().flat_map(|color| &color[..3]).fold(0.0, |most, value| most.max(*value))
+    /// The colours of all vertices, if there are any but white.
+    pub(super) fn colors(&self) -> impl Iterator<Item = [f32; 4]> + '_ {
+        self.colors.iter().copied()
     }
 
     /// Takes off the offset, `asked` or the one that a far plant needs, and cleans up.
@@ -228,7 +239,7 @@ impl Soup {
             files.warn(format!("dropped {flat} of {read} triangles that have no area"));
         }
         let points = self.point_ids();
-        let doubled = self.drop_coincident(&points);
+        let (doubled, lent) = self.drop_coincident(&points);
         if doubled > 0 {
             files.warn(format!(
                 "dropped {doubled} of {read} triangles that lie exactly on another one (their area counts once)"
@@ -258,7 +269,13 @@ impl Soup {
             true => Vec::new(),
             false => self.colors.into_iter().map(|color| color[3].min(1.0)).collect(),
         };
-        Ok(Finished { mesh, triangle_part, alphas })
+        Ok(Finished { mesh, triangle_part, alphas, lent })
+    }
+
+    /// The part of one triangle.
+    fn part_of(&self, triangle: u32) -> Option<u32> {
+        let begun = self.runs.partition_point(|run| run.first <= triangle);
+        Some(self.runs[begun.checked_sub(1)?].part)
     }
 
     /// The part of each triangle; empty where no part was begun.
@@ -296,7 +313,7 @@ impl Soup {
 
     /// Of triangles of one material over the same three positions, in any order, only the first stays. What to do with
     /// those of several materials, classes decide ([`crate::sheets`]).
-    fn drop_coincident(&mut self, points: &[u32]) -> usize {
+    fn drop_coincident(&mut self, points: &[u32]) -> (usize, Vec<Lent>) {
         let key = |triangle: [u32; 3]| {
             let mut key = triangle.map(|vertex| points[vertex as usize]);
             key.sort_unstable();
@@ -307,12 +324,28 @@ impl Soup {
             (0u32..).zip(materials).map(|(i, (&triangle, &material))| (key(triangle), material, i)).collect();
         order.sort_unstable();
         let mut keep = vec![true; order.len()];
-        for pair in order.windows(2) {
-            if (pair[0].0, pair[0].1) == (pair[1].0, pair[1].1) {
-                keep[pair[1].2 as usize] = false;
+        let mut lent = Vec::new();
+        for same in order.chunk_by(|a, b| (a.0, a.1) == (b.0, b.1)).filter(|same| same.len() > 1) {
+            let [(.., first), others @ ..] = same else { continue };
+            for (.., other) in others {
+                keep[*other as usize] = false;
+                match (self.part_of(*first), self.part_of(*other)) {
+                    (Some(of_first), Some(part)) if of_first != part => {
+                        lent.push(Lent { part, triangle: *first })
+                    }
+                    _ => {}
+                }
             }
         }
-        self.keep_triangles(&keep)
+        // Numbers among what stays.
+        lent.sort_unstable_by_key(|lent| lent.triangle);
+        let (mut at, mut left) = (0, 0);
+        for lent in &mut lent {
+            left += keep[at..lent.triangle as usize].iter().filter(|keep| **keep).count();
+            at = lent.triangle as usize;
+            lent.triangle = left as u32;
+        }
+        (self.keep_triangles(&keep), lent)
     }
 
     fn keep_triangles(&mut self, keep: &[bool]) -> usize {

@@ -17,10 +17,11 @@ use super::blend::split_points;
 use super::error::ImportError;
 use super::files::Files;
 use super::limits;
-use super::soup::{Finished, area};
+use super::soup::{Finished, Lent, area};
 use super::split_patterns::SplitPatterns;
+use super::things::{Things, told_of_material, told_of_part};
 use crate::MaterialClass;
-use crate::classify::words::{Told, told};
+use crate::classify::words::Told;
 use crate::mesh::{AlphaMode, Image, Material, Mesh, Part, PartUse, Texture, around};
 use crate::sampling::r2_sequence;
 use crate::texture;
@@ -54,6 +55,8 @@ struct Sums {
     area_m2: f64,
     /// Area times what passes.
     passing_m2: f64,
+    /// The same times its colour.
+    tinted_m2: [f64; 3],
 }
 
 /// Splits materials, and fills in what each part uses. `parts` are those of `finished`.
@@ -64,8 +67,15 @@ pub(super) fn split(
     mut parts: Vec<Part>,
     patterns: &SplitPatterns,
 ) -> Result<Mesh, ImportError> {
-    let Finished { mut mesh, triangle_part, alphas } = finished;
-    let mut tells = Tells::of(&mesh, &materials, &parts);
+    let Finished { mut mesh, triangle_part, alphas, mut lent } = finished;
+    let mut tells = Tells::of(&mesh, &materials, &parts, &triangle_part);
+    lent.retain(|lent| {
+        let index = mesh.triangle_material[lent.triangle as usize];
+        let mut of = |part: u32| {
+            tells.about((index, &materials[index as usize]), (part, parts.get(part as usize)), patterns)
+        };
+        of(triangle_part[lent.triangle as usize]) == of(lent.part)
+    });
     let mut sums: BTreeMap<Key, Sums> = BTreeMap::new();
     let mut distinct: Vec<Key> = Vec::new();
     let mut places: HashMap<Key, u32> = HashMap::new();
@@ -81,7 +91,9 @@ pub(super) fn split(
         let material = &materials[index as usize];
         let (told, patterns) = tells.about((index, material), (part, parts.get(part as usize)), patterns);
         let corners = mesh.triangles[triangle].map(|vertex| vertex as usize);
-        let share = material.passing_texture.map(|texture| mean_passing(&mesh, texture, triangle));
+        let means = |texture| mean_of(&mesh, texture, triangle);
+        let share = material.passing_texture.map(|texture| means(texture)[3]);
+        let tint = material.passing_color_texture.map(means);
         let acts = !alphas.is_empty() && material.alpha_mode != AlphaMode::Opaque;
         let alpha = if acts { corners.iter().map(|&vertex| alphas[vertex]).sum::<f32>() / 3.0 } else { 1.0 };
         let key = Key {
@@ -92,17 +104,20 @@ pub(super) fn split(
             alpha: (alpha * ALPHA_LEVELS + 0.5) as u8,
         };
         let sum = sums.entry(key).or_default();
-        if let Some(share) = share {
+        if share.is_some() || tint.is_some() {
+            let share = share.unwrap_or(1.0);
             let area_m2 = area(corners.map(|vertex| mesh.positions[vertex].map(f64::from)));
             sum.area_m2 += area_m2;
             sum.passing_m2 += area_m2 * share;
+            let tint = tint.unwrap_or([1.0; 4]);
+            sum.tinted_m2 = std::array::from_fn(|band| sum.tinted_m2[band] + area_m2 * share * tint[band]);
         }
         let place = *places.entry(key).or_insert_with(|| {
             distinct.push(key);
             distinct.len() as u32 - 1
         });
         *slot = place;
-        last = (share.is_none() && !acts).then_some((index, part, place));
+        last = (share.is_none() && tint.is_none() && !acts).then_some((index, part, place));
     }
     // Materials without triangles stay, at their place.
     for material in 0..materials.len() as u32 {
@@ -127,7 +142,8 @@ pub(super) fn split(
     split_points(&mut mesh);
     files.limit("materials, split by what they show", mesh.materials.len() as u64, limits::MATERIALS)?;
     fill_uses(&mesh, &triangle_part, &mut parts);
-    parts.retain(|part| !part.uses.is_empty());
+    add_lent(&mesh, &lent, &mut parts);
+    parts.retain(|part| part.uses.iter().any(|used| used.triangles > 0));
     mesh.parts = parts;
     Ok(mesh)
 }
@@ -137,6 +153,11 @@ fn of_key(material: &Material, key: &Key, sums: &Sums, images: &[Image]) -> Mate
     if material.passing_texture.take().is_some() && sums.area_m2 > 0.0 {
         let mean = if key.passes { (sums.passing_m2 / sums.area_m2) as f32 } else { 0.0 };
         material.diffuse_transmission = material.diffuse_transmission.map(|factor| factor * mean);
+    }
+    if material.passing_color_texture.take().is_some() && sums.passing_m2 > 0.0 {
+        let mean = sums.tinted_m2.map(|tinted| (tinted / sums.passing_m2) as f32);
+        let factor = material.transmission_color.unwrap_or([1.0; 3]);
+        material.transmission_color = Some(std::array::from_fn(|band| factor[band] * mean[band]));
     }
     material.base_color[3] *= f32::from(key.alpha) / ALPHA_LEVELS;
     let cuts = |texture: Texture| images.get(texture.image as usize).is_some_and(|image| image.has_cut);
@@ -154,15 +175,29 @@ fn of_key(material: &Material, key: &Key, sums: &Sums, images: &[Image]) -> Mate
 
 /// Per material and part: what the part's names say where the material's do not, and which patterns it meets.
 struct Tells {
-    by_itself: Vec<bool>,
+    by_itself: Vec<Option<Told>>,
     by_part: Vec<u8>,
+    things: Things,
     known: HashMap<(u32, u32), (u8, u64)>,
 }
 
 impl Tells {
-    fn of(mesh: &Mesh, materials: &[Material], parts: &[Part]) -> Tells {
+    fn of(mesh: &Mesh, materials: &[Material], parts: &[Part], triangle_part: &[u32]) -> Tells {
+        let by_itself: Vec<Option<Told>> =
+            materials.iter().map(|material| told_of_material(&mesh.images, material)).collect();
+        let used = || {
+            let mut used: Vec<Vec<u32>> = vec![Vec::new(); parts.len()];
+            for (&part, &material) in triangle_part.iter().zip(&mesh.triangle_material) {
+                let used = &mut used[part as usize];
+                if !used.contains(&material) {
+                    used.push(material);
+                }
+            }
+            used
+        };
         Tells {
-            by_itself: materials.iter().map(|material| says_something(mesh, material)).collect(),
+            things: Things::of(&by_itself, parts, used),
+            by_itself,
             by_part: parts.iter().map(|part| told_of_part(part).map_or(0, |(told, _)| code(&told))).collect(),
             known: HashMap::new(),
         }
@@ -175,25 +210,16 @@ impl Tells {
         patterns: &SplitPatterns,
     ) -> (u8, u64) {
         let Some(found) = part.1 else { return (0, 0) };
-        let (by_itself, by_part) = (&self.by_itself, &self.by_part);
+        let (by_itself, by_part, things) = (&self.by_itself, &self.by_part, &self.things);
         *self.known.entry((material.0, part.0)).or_insert_with(|| {
-            let told = if by_itself[material.0 as usize] { 0 } else { by_part[part.0 as usize] };
+            let told = match by_itself[material.0 as usize] {
+                Some(Told::Class(..)) if things.has(part.0) => by_part[part.0 as usize],
+                Some(_) => 0,
+                None => by_part[part.0 as usize],
+            };
             (told, patterns.met(&material.1.name, found))
         })
     }
-}
-
-/// Whether the names of a material or of its texture say what it is.
-fn says_something(mesh: &Mesh, material: &Material) -> bool {
-    let image = material.color_texture.and_then(|texture| mesh.images.get(texture.image as usize));
-    let names = std::iter::once(material.name.as_str()).chain(image.map(|image| image.stem()));
-    names.map(told).any(|told| matches!(told, Told::Class(..) | Told::Foreign(_)))
-}
-
-/// Reads the evidence of the names of a part, its own before those of what it is a part of, and the name that gives it.
-pub fn told_of_part(part: &Part) -> Option<(Told, &str)> {
-    let mut told = part.names.iter().map(|name| (told(name), name.as_str()));
-    told.find(|(told, _)| matches!(told, Told::Class(..) | Told::Foreign(_)))
 }
 
 fn code(told: &Told) -> u8 {
@@ -201,32 +227,36 @@ fn code(told: &Told) -> u8 {
         Told::Class(MaterialClass::Leaf, _) => 1,
         Told::Class(..) => 2,
         Told::Foreign(_) => 3,
-        Told::Unsure(_) | Told::Nothing => 0,
+        Told::Both(_) | Told::Unsure(_) | Told::Nothing => 0,
     }
 }
 
-/// Mean over a triangle of the alpha of a texture, 0 to 1.
-fn mean_passing(mesh: &Mesh, texture: Texture, triangle: usize) -> f64 {
-    let Some(image) = mesh.images.get(texture.image as usize) else { return 1.0 };
+/// Means over a triangle of a texture: linear R, G and B, and alpha, 0 to 1.
+fn mean_of(mesh: &Mesh, texture: Texture, triangle: usize) -> [f64; 4] {
+    let Some(image) = mesh.images.get(texture.image as usize) else { return [1.0; 4] };
     let corners = mesh.triangles[triangle].map(|vertex| mesh.uvs[vertex as usize]);
-    let sum: u32 = (0..POINTS)
-        .map(|point| {
-            let [u, v] = r2_sequence(triangle as u32, point);
-            let [u, v] = if u + v > 1.0 { [1.0 - u, 1.0 - v] } else { [u, v] };
-            let uv = [0, 1]
-                .map(|axis| corners[0][axis] * (1.0 - u - v) + corners[1][axis] * u + corners[2][axis] * v);
-            u32::from(texture::nearest(&texture, image, uv)[3])
-        })
-        .sum();
-    f64::from(sum) / f64::from(POINTS * 255)
+    let mut sums = [0.0f64; 4];
+    for point in 0..POINTS {
+        let [u, v] = r2_sequence(triangle as u32, point);
+        let [u, v] = if u + v > 1.0 { [1.0 - u, 1.0 - v] } else { [u, v] };
+        let uv =
+            [0, 1].map(|axis| corners[0][axis] * (1.0 - u - v) + corners[1][axis] * u + corners[2][axis] * v);
+        let texel = texture::nearest(&texture, image, uv).map(|value| f64::from(value) / 255.0);
+        let [r, g, b, alpha] = texel;
+        for (sum, value) in
+            sums.iter_mut().zip([texture::linear(r), texture::linear(g), texture::linear(b), alpha])
+        {
+            *sum += value;
+        }
+    }
+    sums.map(|sum| sum / f64::from(POINTS))
 }
 
 fn fill_uses(mesh: &Mesh, triangle_part: &[u32], parts: &mut [Part]) {
     for (triangle, &part) in triangle_part.iter().enumerate() {
         let material = mesh.triangle_material[triangle];
         let corners = mesh.triangles[triangle].map(|vertex| mesh.positions[vertex as usize].map(f64::from));
-        let bounds_m = corners.map(|point| Bounds { min: point, max: point }).into_iter().reduce(around);
-        let bounds_m = bounds_m.expect("a triangle has three corners");
+        let bounds_m = bounds_of(corners);
         let uses = &mut parts[part as usize].uses;
         let area_m2 = area(corners);
         match uses.iter_mut().rev().find(|used| used.material == material) {
@@ -238,4 +268,23 @@ fn fill_uses(mesh: &Mesh, triangle_part: &[u32], parts: &mut [Part]) {
             None => uses.push(PartUse { material, triangles: 1, area_m2, bounds_m }),
         }
     }
+}
+
+/// Triangles that went because another part has the same ones still count for where a part is.
+fn add_lent(mesh: &Mesh, lent: &[Lent], parts: &mut [Part]) {
+    for &Lent { part, triangle } in lent {
+        let material = mesh.triangle_material[triangle as usize];
+        let corners = mesh.triangles[triangle as usize];
+        let bounds_m = bounds_of(corners.map(|vertex| mesh.positions[vertex as usize].map(f64::from)));
+        let uses = &mut parts[part as usize].uses;
+        match uses.iter_mut().find(|used| used.material == material) {
+            Some(used) => used.bounds_m = around(used.bounds_m, bounds_m),
+            None => uses.push(PartUse { material, triangles: 0, area_m2: 0.0, bounds_m }),
+        }
+    }
+}
+
+fn bounds_of(corners: [[f64; 3]; 3]) -> Bounds {
+    let bounds_m = corners.map(|point| Bounds { min: point, max: point }).into_iter().reduce(around);
+    bounds_m.expect("a triangle has three corners")
 }

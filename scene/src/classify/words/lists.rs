@@ -39,7 +39,7 @@ pub(super) const FOREIGN: &str = "
     soil dirt mud earth terrain land sand gravel pebble pebbles mulch litter snow water rock rocks stone stones
     boulder cliff wall walls fence floor roof pavement path road street brick bricks concrete cement tile tiles
     metal iron steel plastic glass ceramic terracotta clay plinth pedestal stand table bench house building
-    collision collider hull bounds helper dummy proxy backdrop sky
+    helper dummy sky
     topf blumentopf kübel kuebel vasen boden erde erdreich stein steine fels felsen mauer wand zaun kies beton
     ziegel beet
     sol terre mur murs roche rocher pierre bac jardinière jardiniere vaso terra terreno suolo muro roccia pietra
@@ -53,6 +53,16 @@ pub(super) const FOREIGN_WITHIN: &str = "
     topf flowerpot plantpot planter ground boden stein stone wall mauer fence pflaster
 ";
 
+/// Words of what engines keep beside a plant, wherever they stand in a name: shapes for collisions and for hiding, and
+/// pictures of the whole plant. `UCX_trunk` is no trunk, and `leaves_billboard` are no leaves.
+pub(super) const STAND_INS: &str = "
+    ucx ubx ucp usp collision collisions collider colliders colonly convcol convcolonly hull hulls occluder occluders
+    bounds proxy backdrop billboard billboards impostor impostors imposter imposters
+";
+
+/// Words of [`STAND_INS`] that count at the end of a longer part: `treecollider`.
+pub(super) const STAND_INS_WITHIN: &str = "collider collision colonly occluder billboard impostor imposter";
+
 /// What may follow a class word without changing what it says: words of exporters, sides, sizes, seasons, colours and
 /// names of plants. `leaf_mat` and `leaf_oak` are leaf; a `leaf_tray` may be anything.
 pub(super) const NEUTRAL: &str = "
@@ -63,7 +73,7 @@ pub(super) const NEUTRAL: &str = "
     dup new old final test default main master set slot id no nr num var variant variation version ver type
     style pbr bsdf principled phong blinn lambert surface hd sd hq lq res png jpg jpeg tga tif webp srgb linear
     raw import imported export baked bake poly lowpoly highpoly skin card cards plane planes quad quads
-    billboard imposter impostor shape curve nurbs
+    shape curve nurbs
     front frontside back backside side sides top bottom upper lower under underside inner outer inside outside
     left right single double twosided doublesided sided one two three four a small smaller big bigger large
     medium med mid long short thin thick tall young adult mature fresh dead dry dried wilted broken bare autumn
@@ -84,3 +94,19 @@ pub(super) const PLURALS: &str = "
     petalos pétales bladeren naalden trunks branches boughs limbs stems stalks logs roots staemme stämme aeste
     äste wurzeln tiges racines rami ramas galhos takken grenar bark rinde borke
 ";
+
+/// Leaf words that are no name of a kind of plant either, as `fern` and `blossom` are: beside a word of wood they mean
+/// leaves.
+pub(super) const LEAVES: &str = "
+    leaf leaves leafs lf lvs foliage fol frond fronds needle needles blatt blaetter blätter laub laubwerk nadel nadeln
+    feuille feuilles feuillage foglia foglie fogliame hoja hojas follaje folha folhas folhagem blad bladeren
+";
+
+/// Wood words that no leaf is a part of, as it is of a branch or a stem.
+pub(super) const TRUNKS: &str = "
+    bark trunk trunks rinde borke stamm staemme stämme ecorce écorce tronc tronco corteza corteccia casca schors
+    boomstam
+";
+
+/// Words between two things that are both meant.
+pub(super) const AND: &str = "and und et och";

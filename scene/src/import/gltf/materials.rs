@@ -101,8 +101,8 @@ impl Library<'_> {
         Ok(loaded)
     }
 
-    /// What passes. A texture of it that has the coordinates of the colour's is read where the surface is; of another,
-    /// and of colours, the mean over the image is taken.
+    /// What passes. A texture of it that has the coordinates of the colour's is read where the surface is; of another
+    /// the mean over the image is taken.
     fn transmission(
         &mut self,
         files: &mut Files,
@@ -137,11 +137,24 @@ impl Library<'_> {
         }
         let mut color = json.diffuse_transmission_color_factor;
         if let Some(info) = json.diffuse_transmission_color_texture.as_ref().filter(|_| factor > 0.0)
-            && let (Some(texture), _) = self.texture(files, place, info)?
+            && let (Some(texture), tex_coord) = self.texture(files, place, info)?
         {
-            let mean = mean_texel(&self.images.images[texture.image as usize]);
             let [r, g, b] = color.unwrap_or([1.0; 3]);
-            color = Some([r * mean[0], g * mean[1], b * mean[2]]);
+            color = match tex_coord_of_color.or(loaded.tex_coord).is_none_or(|known| known == tex_coord) {
+                true => {
+                    loaded.tex_coord = Some(tex_coord);
+                    material.passing_color_texture = Some(texture);
+                    Some([r, g, b])
+                }
+                false => {
+                    let [x, y, z, _] = mean_texel(&self.images.images[texture.image as usize]);
+                    files.warn(format!(
+                        "{place}: diffuseTransmissionColorTexture has other texture coordinates than the colour; its \
+                         mean, {x:.3} {y:.3} {z:.3}, is taken"
+                    ));
+                    Some([r * x, g * y, b * z])
+                }
+            };
         }
         material.transmission_color = color.filter(|color| color.iter().all(|value| value.is_finite()));
         material.diffuse_transmission =

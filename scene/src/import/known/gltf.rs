@@ -311,6 +311,7 @@ pub const ROWS: &[Row] = &[
     row(Place::Instances, "TRANSLATION", Read, "0"),
     row(Place::Instances, "ROTATION", Read, "0"),
     row(Place::Instances, "SCALE", Read, "0"),
+    row(Place::Instances, "_COLOR_0", Warned("all instances have the colours of their mesh"), "0"),
     row(Place::Instances, "_*", BESIDE, "0"),
 ];
 

@@ -5,6 +5,7 @@ use std::path::Path;
 
 use super::digits::Digits;
 use super::polygon::Triangulator;
+use super::vertex_colors;
 use crate::import::choice::{Choice, labels};
 use crate::import::error::{ImportError, quoted};
 use crate::import::files::Files;
@@ -13,7 +14,6 @@ use crate::import::limits;
 use crate::import::points::{Points, Stored};
 use crate::import::soup::{FileFrame, Soup, Vertex};
 use crate::mesh::Part;
-use crate::texture::linear;
 
 /// What an OBJ says besides its triangles.
 #[derive(Default)]
@@ -112,7 +112,7 @@ pub(super) fn read(
     }
     choice.check(&files.file, labels(&reader.parsed.parts))?;
     if !colors.is_empty() {
-        colors_of_vertices(files, reader.soup);
+        vertex_colors::to_light(files, reader.soup);
     }
     for (keyword, (count, why)) in reader.unread {
         let times = if count == 1 { String::new() } else { format!(" ({count} times)") };
@@ -363,17 +363,6 @@ impl Reader<'_> {
 /// What stands for a word that is no number in a normal or a texture coordinate: the shape does not depend on them, and
 /// exporters write what they cannot divide in the words of their C library (`-1.#IND`, `nan(ind)`).
 const NO_NUMBER: Option<f64> = Some(f64::NAN);
-
-/// What may be a 1 that was rounded; more is a number of up to 255.
-const ROUNDED_ONE: f32 = 1.01;
-
-/// Colours of vertices as exporters write them: sRGB from 0 to 1, or from 0 to 255.
-fn colors_of_vertices(files: &mut Files, soup: &mut Soup) {
-    let scale = if soup.largest_color() > ROUNDED_ONE { 255.0 } else { 1.0 };
-    let in_light = |value: f32| linear((f64::from(value) / scale).clamp(0.0, 1.0)) as f32;
-    soup.map_colors(|[r, g, b, alpha]| [in_light(r), in_light(g), in_light(b), alpha]);
-    files.note(format!("colours of vertices (v x y z r g b) are read as sRGB from 0 to {scale}"));
-}
 
 /// The first `N` numbers of a line, of which `needed` have to be there, and how many are there; the rest is 0.
 /// `instead` stands for a word that is no number, which is an error without it among those that are needed, and the end

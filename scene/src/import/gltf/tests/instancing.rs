@@ -204,3 +204,19 @@ fn a_rotation_of_zeros_is_taken_as_none_with_a_warning() {
         mesh.warnings
     );
 }
+
+#[test]
+fn colours_of_instances_are_warned_of_by_name() {
+    let with = |name: &'static str| {
+        whole(&instanced(vec![
+            floats("TRANSLATION", "VEC3", &TRANSLATIONS),
+            floats(name, "VEC3", &[1.0, 0.0, 0.0, 0.0, 1.0, 0.0]),
+        ]))
+        .unwrap()
+        .warnings
+        .join("\n")
+    };
+    let told = with("_COLOR_0");
+    assert!(told.contains("_COLOR_0 (nodes[0]) is not read: all instances have the colours"), "{told}");
+    assert_eq!(with("_ID"), "");
+}

@@ -335,6 +335,37 @@ fn a_texture_of_what_passes_tells_leaf_from_wood() {
     assert_eq!(mesh.materials[0].transmission_color, Some([0.2, 0.9, 0.1]));
 }
 
+#[test]
+fn the_colour_of_what_passes_is_that_of_the_texels_that_are_shown() {
+    let image = |left: [u8; 4], right: [u8; 4]| {
+        let image = image::RgbaImage::from_fn(8, 8, |x, _| image::Rgba(if x < 4 { left } else { right }));
+        let mut bytes = std::io::Cursor::new(Vec::new());
+        image.write_to(&mut bytes, image::ImageFormat::Png).unwrap();
+        data_uri(&bytes.into_inner())
+    };
+    let uvs = bytes_of(&[0.7f32, 0.5, 0.9, 0.5, 0.8, 0.9]);
+    let of = |passing: Value| {
+        let json = changed(&[
+            ("/meshes/0/primitives/0/material", json!(0)),
+            ("/meshes/0/primitives/0/attributes/TEXCOORD_0", json!(1)),
+            (
+                "/materials",
+                json!([{"name": "Plant", "extensions": {"KHR_materials_diffuse_transmission": passing}}]),
+            ),
+            ("/images", json!([{"uri": image([255, 0, 0, 255], [0, 255, 0, 255])}])),
+            ("/textures", json!([{"source": 0}])),
+        ]);
+        read(&with_accessors(json, vec![(uvs.clone(), float(3, "VEC2"))])).unwrap()
+    };
+    let mesh = of(json!({"diffuseTransmissionFactor": 0.4, "diffuseTransmissionColorTexture": {"index": 0},
+        "diffuseTransmissionColorFactor": [1.0, 0.5, 1.0]}));
+    assert_eq!(mesh.materials[0].transmission_color, Some([0.0, 0.5, 0.0]));
+    assert_eq!(mesh.materials[0].diffuse_transmission, Some(0.4));
+    let mesh = of(json!({"diffuseTransmissionFactor": 0.4, "diffuseTransmissionColorTexture": {"index": 0},
+        "diffuseTransmissionTexture": {"index": 0}}));
+    assert_eq!(mesh.materials[0].transmission_color, Some([0.0, 1.0, 0.0]));
+}
+
 /// Share of a material's surface that is there.
 fn share_there(mesh: &Mesh) -> f64 {
     let coverage: Vec<Coverage> =

@@ -67,6 +67,51 @@ fn coordinates_that_went_through_f32_are_refused_where_that_lost_the_shape() {
     let centimetres = "v 448262.31 5411932.04 318.12\nv 448262.44 5411932.09 318.16\n\
                        v 448262.37 5411932.18 318.12\nf 1 2 3\n";
     assert!(read_text(centimetres).is_ok());
+    // Leaves of a decimetre, in decimetres, beside a trunk of long edges.
+    let tree = |digits: usize| {
+        let mut text = String::new();
+        for i in 0..40 {
+            let (x, y) = (448262.13 + 0.17 * f64::from(i), 5411932.27 + 0.11 * f64::from(i));
+            let [w, h] = if i < 10 { [3.0, 9.0] } else { [0.1, 0.1] };
+            text += &format!("v {x:.digits$} {y:.digits$} {:.digits$}\n", 318.1 + 0.13 * f64::from(i));
+            text += &format!(
+                "v {:.digits$} {y:.digits$} 318.3\nv {x:.digits$} {:.digits$} 318.3\n",
+                x + w,
+                y + h
+            );
+            text += "f -3 -2 -1\n";
+        }
+        read_text(&text)
+    };
+    let mut small = String::new();
+    for i in 0..40 {
+        let (x, h) = (448262.1 + 0.3 * f64::from(i), if i < 10 { 9.0 } else { 0.1 });
+        small += &format!("v {x:.1} 5411932.0 0\nv {:.1} 5411932.0 0\n", x + 0.1);
+        small += &format!("v {x:.1} {:.1} 0\nf -3 -2 -1\n", 5411932.0 + h);
+    }
+    let error = read_text(&small).unwrap_err().to_string();
+    assert!(error.contains("steps are 0.1 there, and 75 % of the triangles within 2 steps"), "{error}");
+    assert!(tree(3).is_ok());
+}
+
+#[test]
+fn a_highlight_above_1_does_not_make_bytes_of_colours() {
+    let with = |highlight: &str| {
+        read_text(&format!(
+            "v 0 0 0 0.2 0.5 0.1\nv 1 0 0 0.2 0.5 0.1\nv 0 1 0 0.2 {highlight} 0.1\nf 1 2 3\n"
+        ))
+        .unwrap()
+    };
+    let (plain, light) = (with("1"), with("1.02"));
+    assert_eq!(plain.colors, light.colors);
+    let told = light.warnings.join("; ");
+    assert!(
+        told.contains("are up to 1.02") && told.contains("1 of 9 values above 0 are taken as 1"),
+        "{told}"
+    );
+    assert!(plain.warnings.iter().all(|told| !told.contains("colours of vertices")));
+    let dark = read_text("v 0 0 0 2 5 1\nv 1 0 0 0 3 0\nv 0 1 0 1 1 1\nf 1 2 3\n").unwrap();
+    assert!(dark.notes[0].contains("from 0 to 255"), "{:?}", dark.notes);
 }
 
 #[test]
@@ -256,4 +301,90 @@ fn gloss_in_the_alpha_of_a_colour_takes_nothing_from_a_share() {
     let mut there = 0.0;
     crate::color::on_surface(&mesh, &coverage, |_, _, area| there += area);
     assert!((there / 0.5 - 0.5).abs() < 0.02, "{there}");
+}
+
+/// A trunk of bark, 2 m high, and so many leaves around it.
+fn tree(leaves: usize) -> String {
+    let mut text = String::from("usemtl Bark\n");
+    let ring = [[0.1, 0.1], [-0.1, 0.1], [-0.1, -0.1], [0.1, -0.1]];
+    for (at, [x, z]) in ring.into_iter().enumerate() {
+        let [u, w] = ring[(at + 1) % 4];
+        text += &format!("v {x} 0 {z}\nv {u} 0 {w}\nv {u} 2 {w}\nv {x} 2 {z}\nf -4 -3 -2 -1\n");
+    }
+    text += "usemtl Leaves\n";
+    for at in 0..leaves {
+        let turn = std::f64::consts::TAU * at as f64 / leaves as f64;
+        let [x, z] = [libm::cos(turn), libm::sin(turn)].map(|side| 0.5 * side);
+        let y = 1.5 + 0.4 * libm::sin(5.0 * turn);
+        text += &format!("v {x} {y} {z}\nv {} {y} {z}\nv {x} {} {z}\nf -3 -2 -1\n", x + 0.1, y + 0.1);
+    }
+    text
+}
+
+#[test]
+fn what_stands_beside_a_plant_is_not_leaf_or_wood_because_of_the_material_that_it_wears() {
+    let beside = |group: &str, material: &str| {
+        format!("o Oak\n{}o {group}\nusemtl {material}\nv 0 0 3\nv 1 0 3\nv 0 1 3\nf -3 -2 -1\n", tree(20))
+    };
+    let read = |text: &str, ignore: &[&str]| {
+        let rules = ClassRules {
+            ignore: ignore.iter().map(|&pattern| pattern.to_owned()).collect(),
+            ..ClassRules::default()
+        };
+        let settings = ImportSettings { split: rules.split_patterns(), ..ImportSettings::default() };
+        let folder = tempfile::tempdir().unwrap();
+        fs::write(folder.path().join("a.obj"), text).unwrap();
+        let mesh = import(&folder.path().join("a.obj"), &settings).unwrap();
+        classify(&mesh, &rules).map(|classes| (mesh.materials.len(), classes))
+    };
+    let things = [
+        ("UCX_trunk_01", "Bark", "ucx"),
+        ("trunk_collider", "Bark", "collider"),
+        ("tree-colonly", "Leaves", "colonly"),
+        ("billboard", "Leaves", "billboard"),
+        ("flower_pot", "Bark", "pot"),
+        ("Ground", "Leaves", "ground"),
+        ("Backdrop", "Bark", "backdrop"),
+    ];
+    for (group, material, word) in things {
+        let text = beside(group, material);
+        let error = read(&text, &[]).unwrap_err().to_string();
+        let why = format!("'{word}' in the name of its part '{group}' is no word of a plant");
+        assert!(error.contains(&why), "{error}");
+        let pattern = format!("{material}@{group}");
+        assert!(error.contains(&format!("known: '{pattern}'\n")), "{error}");
+        let (materials, classes) = read(&text, &[&pattern]).unwrap();
+        let count = |class| classes.iter().filter(|classified| classified.class == class).count();
+        assert_eq!((materials, count(MaterialClass::Neither)), (3, 1), "{group}");
+    }
+    let hulls =
+        format!("{}o UCX_b\nusemtl Bark\nv 0 0 4\nv 1 0 4\nv 0 1 4\nf -3 -2 -1\n", beside("UCX_a", "Bark"));
+    let error = read(&hulls, &[]).unwrap_err().to_string();
+    assert!(error.contains("--ignore 'Bark@UCX_*'"), "{error}");
+    assert!(read(&hulls, &["Bark@UCX_*"]).is_ok());
+    // A plant may be named after its pot, and what is read alone is what is meant.
+    for whole in ["flower_pot", "Tree_Billboard"] {
+        let text = format!("o {whole}\n{}", tree(20));
+        assert_eq!(read(&text, &[]).unwrap().0, 2, "{whole}");
+    }
+    let potted =
+        format!("o Stone\nusemtl Rocks\nv 0 0 3\nv 1 0 3\nv 0 1 3\nf -3 -2 -1\no flower_pot\n{}", tree(20));
+    let error = read(&potted, &[]).unwrap_err().to_string();
+    assert!(error.contains("known: 'Rocks'\n"), "{error}");
+}
+
+#[test]
+fn levels_whose_trunks_coincide_are_a_doubt_all_the_same() {
+    let doubts = |text: &str| {
+        let classed = PlantReader::default().class(read_text(text).unwrap()).unwrap().0;
+        let doubts = crate::extents::doubts(&classed, &ImportSettings::default());
+        doubts.iter().map(|doubt| doubt.name()).collect::<Vec<_>>()
+    };
+    assert!(doubts(&format!("o Oak_L0\n{}o Oak_L1\n{}", tree(40), tree(21))).contains(&"levels"));
+    assert!(!doubts(&format!("o Oak\n{}", tree(40))).contains(&"levels"));
+    let mesh = read_text(&format!("o a\n{}o b\n{}o c\n{}", tree(40), tree(21), tree(40))).unwrap();
+    let labels: Vec<String> = mesh.parts.iter().map(|part| part.label()).collect();
+    assert_eq!(labels, ["a", "b"], "of the third nothing is left");
+    assert_eq!(mesh.parts[1].bounds_m().unwrap().min[1], 0.0);
+    assert_eq!(mesh.parts[1].uses.iter().map(|used| used.triangles).sum::<u64>(), 20, "one leaf is in both");
 }
