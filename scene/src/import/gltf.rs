@@ -12,6 +12,7 @@ mod document;
 mod instancing;
 mod materials;
 mod meshopt_view;
+mod morphs;
 mod primitive;
 mod scene;
 mod shown;
@@ -77,7 +78,11 @@ pub(super) fn import(
     let held_bytes = document.held_bytes + buffers.held_bytes;
     let mut accessors = Accessors { root: &root, buffers: &buffers, work: 0 };
     let scene = match mesh {
-        Some(word) if word != WHOLE => scene::alone(Words::of(&root).find(files, word)?),
+        Some(word) if word != WHOLE => {
+            let mesh = Words::of(&root).find(files, word)?;
+            morphs::tell_of_shapes(files, &root, |other| other == mesh);
+            scene::alone(&root, mesh)
+        }
         _ => scene::walk(files, &mut accessors, &document.transforms, choice)?,
     };
     if mesh.is_none() && scene.instanced > 1 {

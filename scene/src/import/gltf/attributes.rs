@@ -63,12 +63,13 @@ impl Colors<'_> {
     }
 }
 
-/// Opens what a primitive has; `None` where it has no positions, which is a warning. `name` is for messages.
+/// Opens what a primitive has; `None` where it has no positions, which is a warning. `weights` are those of its
+/// morph targets, `name` is for messages.
 pub(super) fn open<'a>(
     files: &mut Files,
     accessors: &mut Accessors<'a>,
-    placed: &Placed,
     primitive: &Primitive,
+    weights: &[f32],
     name: &str,
     tex_coord: u32,
 ) -> Result<Option<Attributes<'a>>, ImportError> {
@@ -120,10 +121,9 @@ pub(super) fn open<'a>(
         let weight = sized(accessors, &format!("WEIGHTS_{set}"), Some(weight), &[Type::Vec4])?;
         joints.extend(joint.zip(weight).map(|(joint, weight)| [joint, weight]));
     }
-    let weights = weights_of(root, placed);
     let targets = |accessors: &mut Accessors<'a>, normals: bool| {
         let mut found = Vec::new();
-        for (target, &weight) in primitive.targets.iter().flatten().zip(&weights) {
+        for (target, &weight) in primitive.targets.iter().flatten().zip(weights) {
             let (what, index) = match normals {
                 false => ("POSITION of a morph target", target.positions),
                 true => ("NORMAL of a morph target", target.normals),
@@ -147,12 +147,6 @@ pub(super) fn open<'a>(
         None => None,
     };
     Ok(Some(Attributes { positions, normals, uvs, colors, joints }))
-}
-
-/// The weights of a placed mesh's morph targets: a node's go before its mesh's (glTF 3.7.2.2).
-fn weights_of(root: &Root, placed: &Placed) -> Vec<f32> {
-    let of_node = placed.node.and_then(|node| root.nodes[node].weights.clone());
-    of_node.or_else(|| root.meshes[placed.mesh].weights.clone()).unwrap_or_default()
 }
 
 /// glTF 3.7.2.1 allows floats and normalised integers. Integers that are not normalised are meant to be.

@@ -7,6 +7,7 @@ use gltf::json::validation::Checked;
 
 use super::accessor::{Accessor, Accessors};
 use super::attributes::{self, Attributes, Skin};
+use super::morphs;
 use super::scene::{Placed, Scene};
 use crate::import::error::ImportError;
 use crate::import::files::Files;
@@ -46,8 +47,11 @@ pub(super) fn add(
         files.warn(format!("{name} is of {mode:?}, not triangles; ignored"));
         return Ok(());
     }
+    let weights = placed
+        .node
+        .map_or(scene.weights.as_slice(), |node| morphs::of_node(accessors.root, node, placed.mesh));
     let Some(Attributes { positions, normals, uvs, colors, joints }) =
-        attributes::open(files, accessors, placed, primitive, name, target.tex_coord.unwrap_or(0))?
+        attributes::open(files, accessors, primitive, weights, name, target.tex_coord.unwrap_or(0))?
     else {
         return Ok(());
     };

@@ -6,6 +6,7 @@ use gltf::json::{Index, Node, Root};
 use super::accessor::Accessors;
 use super::document::NodeTransform;
 use super::instancing::Instances;
+use super::morphs;
 use super::shown::{LISTED, LeftOut, is_visible, lower_levels, names_of, word_of};
 use super::transform::{compose, place_of};
 use crate::import::choice::Choice;
@@ -35,14 +36,25 @@ pub(super) struct Scene {
     pub worlds: Vec<Option<DMat4>>,
     /// The node above each node visited.
     pub parents: Vec<Option<u32>>,
+    /// Whether the file shows each node, with what lies above it.
+    pub shown: Vec<bool>,
+    /// Weights of the morph targets of a mesh by itself.
+    pub weights: Vec<f32>,
     /// Number of entries of `placed` that EXT_mesh_gpu_instancing gives.
     pub instanced: u64,
 }
 
 /// A mesh by itself, in its own space: neither nodes nor skins move it.
-pub(super) fn alone(mesh: usize) -> Scene {
+pub(super) fn alone(root: &Root, mesh: usize) -> Scene {
     let placed = Placed { node: None, instance: None, mesh, world: DMat4::IDENTITY, skin: None };
-    Scene { placed: vec![placed], worlds: Vec::new(), parents: Vec::new(), instanced: 0 }
+    Scene {
+        placed: vec![placed],
+        worlds: Vec::new(),
+        parents: Vec::new(),
+        shown: Vec::new(),
+        weights: morphs::alone(root, mesh).to_vec(),
+        instanced: 0,
+    }
 }
 
 /// Walks the default scene (the first one, or all root nodes, where the file names none). With a choice, nothing but
@@ -77,7 +89,8 @@ fn walk_from(
     let root = accessors.root;
     let nodes = root.nodes.len();
     let (worlds, parents) = (vec![None; nodes], vec![None; nodes]);
-    let mut scene = Scene { placed: Vec::new(), worlds, parents, instanced: 0 };
+    let shown = vec![false; nodes];
+    let mut scene = Scene { placed: Vec::new(), worlds, parents, shown, weights: Vec::new(), instanced: 0 };
     let lower_levels = lower_levels(files, root)?;
     let mut left_out = LeftOut::default();
     let mut on_path = vec![false; nodes];
@@ -109,6 +122,7 @@ fn walk_from(
         scene.parents[index] = parent;
         let is_hidden = !is_visible(files, root, index)?;
         shown.by_file &= !is_hidden && !lower_levels.contains(&index);
+        scene.shown[index] = shown.by_file;
         if choice.is_made() && choice.means(names_of(root, index).chain([format!("#{index}").as_str()])) {
             shown.by_choice = true;
         }

@@ -20,6 +20,7 @@ use super::accessor::Accessors;
 use super::buffers::Buffers;
 use super::chosen::Words;
 use super::document;
+use super::morphs;
 use super::scene::{self, Placed};
 use super::transform::place_of;
 use crate::import::choice::Choice;
@@ -152,8 +153,10 @@ pub(crate) fn read(
         return Err(files.malformed("the default scene", found, "one that stands somewhere"));
     }
     warn_of_parts(&mut files, &species, &plants);
+    let is_species = |mesh: usize| species_of.get(&mesh).is_some_and(Option::is_some);
+    morphs::tell_of_shapes(&mut files, &root, is_species);
     let camera = view::camera(&mut files, &root, &scene.worlds)?;
-    let sun = view::sun(&mut files, &root, &scene.worlds)?;
+    let sun = view::sun(&mut files, &root, &scene)?;
     let Records { mut warnings, notes, .. } = files.into_records();
     warnings.extend(notes);
     Ok(Stand { species, plants, camera, sun, warnings })

@@ -9,6 +9,7 @@ use serde::Deserialize;
 
 use crate::import::error::ImportError;
 use crate::import::files::Files;
+use crate::import::gltf::scene::Scene;
 use crate::import::gltf::transform::place_of;
 use crate::scene::MAX_COORDINATE_M;
 
@@ -30,6 +31,12 @@ struct Lights {
 struct Light {
     #[serde(rename = "type")]
     kind: String,
+    #[serde(default = "white")]
+    color: [f64; 3],
+}
+
+fn white() -> [f64; 3] {
+    [1.0; 3]
 }
 
 #[derive(Deserialize)]
@@ -80,11 +87,7 @@ pub(super) fn camera(
 }
 
 /// Azimuth and elevation of the first directional light, by node, degrees.
-pub(super) fn sun(
-    files: &mut Files,
-    root: &Root,
-    worlds: &[Option<DMat4>],
-) -> Result<Option<[f64; 2]>, ImportError> {
+pub(super) fn sun(files: &mut Files, root: &Root, scene: &Scene) -> Result<Option<[f64; 2]>, ImportError> {
     let json = root.extensions.as_ref().and_then(|extensions| extensions.others.get(LIGHTS));
     let lights = match json.map(Lights::deserialize) {
         Some(Ok(Lights { lights })) => lights,
@@ -93,16 +96,31 @@ pub(super) fn sun(
     };
     let mut first = None;
     for (index, node) in root.nodes.iter().enumerate() {
-        let (Some(light), Some(world)) = (light_of(files, root, index, node)?, worlds[index]) else {
+        let (Some(light), Some(world)) = (light_of(files, root, index, node)?, scene.worlds[index]) else {
             continue;
         };
-        let Some(Light { kind }) = lights.get(light) else {
+        let Some(Light { kind, color }) = lights.get(light) else {
             let expected = format!("one of {}", lights.len());
             return Err(files.malformed(place_of(root, index), format!("light {light}"), expected));
         };
         let place = place_of(root, index);
         match (kind == "directional", backward(world)) {
-            (true, Some(towards)) if first.is_none() => first = Some(angles(towards)),
+            _ if !scene.shown[index] => files.warn(format!("the light of {place} is hidden; ignored")),
+            (true, Some(towards)) if first.is_none() => {
+                let [azimuth, elevation] = angles(towards);
+                if elevation < 0.0 {
+                    files.warn(format!(
+                        "the sun of {place} stands {:.1} degrees below the horizon",
+                        -elevation
+                    ));
+                }
+                if let [r, g, b] = *color
+                    && [g, b] != [r; 2]
+                {
+                    files.warn(format!("the sun of {place} has the colour {r} {g} {b}; a scene's is white"));
+                }
+                first = Some([azimuth, elevation]);
+            }
             (true, Some(_)) => files.warn(format!("the sun of {place} is not the first; ignored")),
             (true, None) => files.warn(format!("the sun of {place} has no direction; ignored")),
             (false, _) => files.warn(format!("the light of {place} is not directional; ignored")),

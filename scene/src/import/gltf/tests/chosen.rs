@@ -34,6 +34,29 @@ fn read_mesh(json: &Value, word: &str) -> Result<Mesh, ImportError> {
 }
 
 #[test]
+fn a_mesh_by_itself_has_the_shape_that_its_nodes_agree_on() {
+    let mut json = four_meshes();
+    json["meshes"][0]["primitives"][0]["targets"] = json!([{"POSITION": 3}]);
+    json["meshes"][0]["weights"] = json!([0.0]);
+    json["nodes"][1]["mesh"] = json!(0);
+    let top = |json: &Value| read_mesh(json, "Oak").unwrap().bounds().unwrap().max[1];
+    assert_eq!(top(&json), 1.0);
+    for node in [0, 1] {
+        json["nodes"][node]["weights"] = json!([0.5]);
+    }
+    assert_eq!(top(&json), 3.0);
+    assert!(read_mesh(&json, "Oak").unwrap().warnings.is_empty());
+    json["nodes"][1]["weights"] = json!([1.0]);
+    assert_eq!(top(&json), 1.0);
+    let words = "mesh 'Oak' has other weights of its morph targets at nodes[1] than at nodes[0]";
+    for warnings in
+        [read_mesh(&json, "Oak").unwrap().warnings, super::instancing::stand_of(&json).unwrap().warnings]
+    {
+        assert!(warnings.iter().any(|warning| warning.contains(words)), "{warnings:?}");
+    }
+}
+
+#[test]
 fn a_mesh_is_read_in_its_own_space_by_name_or_number() {
     let json = four_meshes();
     for (word, height) in [("Oak", 1.0), ("#0", 1.0), ("#1", 2.0), ("#2", 3.0), ("#3", 4.0)] {

@@ -207,6 +207,27 @@ fn the_first_camera_and_the_first_sun_are_the_scene_s() {
 }
 
 #[test]
+fn suns_that_a_scene_cannot_have_are_told() {
+    let lens = json!({"type": "perspective", "perspective": {"yfov": 1.0, "znear": 0.1}});
+    let below = json!({"rotation": [0.25881904510252074, 0.0, 0.0, 0.9659258262890683]});
+    let red = json!({"type": "directional", "color": [1, 0.25, 0]});
+    let stand = stand_of(&seen(below.clone(), lens.clone(), red)).unwrap();
+    assert!((stand.sun.unwrap()[1] + 30.0).abs() < 1e-3, "{:?}", stand.sun);
+    for words in [
+        "the sun of nodes[1] stands 30.0 degrees below the horizon",
+        "the sun of nodes[1] has the colour 1 0.25 0; a scene's is white",
+    ] {
+        assert!(stand.warnings.iter().any(|warning| warning.contains(words)), "{:?}", stand.warnings);
+    }
+    let mut hidden = seen(below, lens, json!({"type": "directional"}));
+    hidden["nodes"][1]["extensions"]["KHR_node_visibility"] = json!({"visible": false});
+    let stand = stand_of(&hidden).unwrap();
+    assert_eq!(stand.sun, None);
+    let words = "the light of nodes[1] is hidden; ignored";
+    assert!(stand.warnings.iter().any(|warning| warning.contains(words)), "{:?}", stand.warnings);
+}
+
+#[test]
 fn cameras_and_lights_that_are_not_there_are_named() {
     let good = || {
         let lens = json!({"type": "perspective", "perspective": {"yfov": 1.0, "znear": 0.1}});
