@@ -105,6 +105,12 @@ impl Mend {
                 let words = self.words("--ignore", "`ignore`");
                 format!("{words} leaves out a box that is none of the plant's")
             }
+            Doubt::SecondSheets { .. } => {
+                let words = self.words("--ignore", "`ignore`");
+                format!(
+                    "if they are the two sides of one leaf, leave one out: {words} of its material, or in the mesh"
+                )
+            }
             Doubt::Shells { .. } => {
                 let words = self.words("--wood and --ignore", "`wood` and `ignore`");
                 format!("{words} say what is no leaf; a crown's hull needs leaves of its own")

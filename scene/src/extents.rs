@@ -9,6 +9,7 @@
 
 mod enclosed;
 mod foot;
+mod seconds;
 #[cfg(test)]
 mod tests;
 mod whole;
@@ -139,6 +140,15 @@ pub enum Doubt {
         /// Mean thickness of the thickest, metres.
         thickness_m: f64,
     },
+    /// Much of the leaf has a second sheet behind it, too far off to be taken for its other side.
+    SecondSheets {
+        /// Area of leaves that have one, both sheets of each, square metres.
+        sheets_m2: f64,
+        /// Area of all leaves, square metres.
+        leaf_m2: f64,
+        /// Mean gap between two sheets, metres.
+        gap_m: f64,
+    },
     /// Leaves stand behind walls of wood: in a closed box, or deep in a pot.
     Enclosed(Enclosed),
 }
@@ -151,6 +161,7 @@ impl Doubt {
             Doubt::Foot { .. } => "foot",
             Doubt::HighWood { .. } => "high-wood",
             Doubt::Shells { .. } => "shells",
+            Doubt::SecondSheets { .. } => "second-sheets",
             Doubt::Enclosed(_) => "enclosed",
             Doubt::Levels { .. } => "levels",
             Doubt::Apart { .. } => "apart",
@@ -218,6 +229,14 @@ impl Display for Doubt {
                     percent(enclosed::OPEN)
                 )
             }
+            Doubt::SecondSheets { sheets_m2, leaf_m2, gap_m } => {
+                let [sheets, leaf, gap] = [*sheets_m2, *leaf_m2, *gap_m].map(number);
+                write!(
+                    f,
+                    "{sheets} of {leaf} m2 of leaf have a second sheet of the same outline {gap} m behind or before \
+                     them, expected single leaves: either sheet counts as a leaf"
+                )
+            }
             Doubt::Shells { shells_m2, leaf_m2, thickness_m } => {
                 let [shells, leaf, thick] = [*shells_m2, *leaf_m2, *thickness_m].map(number);
                 write!(
@@ -244,6 +263,7 @@ pub fn doubts(plant: &ClassedMesh, read_as: &ImportSettings) -> Vec<Doubt> {
         .into_iter()
         .chain(of_wood)
         .chain(doubt_of_shells(plant))
+        .chain(seconds::doubt(plant, extents.longest_m()))
         .chain(doubt_of_walls(plant, &extents))
         .chain(whole::doubts(plant, &extents))
         .collect()
