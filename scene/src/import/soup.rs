@@ -113,7 +113,7 @@ pub(super) struct Finished {
     pub triangle_part: Vec<u32>,
     /// Factor on the alpha of its material at each vertex, from 0 to 1; empty where all are 1.
     pub alphas: Vec<f32>,
-    /// What parts have in common with others.
+    /// Triangles that parts have in common with others.
     pub lent: Vec<Lent>,
 }
 
