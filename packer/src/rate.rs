@@ -5,7 +5,7 @@
 //! quality report, and an encoding that is worse than its target is named ([`Missed`]). Memory, beside the fields: for
 //! each base and band 256 bytes a stored block (its filled coefficients) and 4 bytes a surface point (its samples), and
 //! a lattice of floats for each thread. Of many bands that are alike, the components that no file could hold are left
-//! out of the coefficients ([`ready`]).
+//! out of the coefficients.
 
 mod choose;
 mod control;
