@@ -18,8 +18,7 @@ use rayon::prelude::*;
 const SCALE: f32 = 216.0;
 /// Every so many points are taken for the second moments of bands.
 const MOMENT_STRIDE: usize = 3;
-/// Share of the square error that is asked for below which components are not looked at: no byte of a file depends on
-/// them.
+/// Share of the square error that is asked for below which components are not looked at: no step keeps them.
 const NEGLIGIBLE: f64 = 1e-4;
 
 /// What is known of a base before a step is chosen.
@@ -34,10 +33,10 @@ pub(super) struct Ready<'a> {
     pub rotation: Vec<f32>,
     /// `[component][point]` samples at surfaces, relative to the peak.
     pub samples: Vec<Vec<f32>>,
-    /// `[point]` sum of the squares of all other components; empty where there are none.
-    pub rest: Vec<f32>,
-    /// `[component]` mean square of them.
+    /// `[component]` mean square of the samples.
     pub sampled: Vec<f64>,
+    /// `[point]` sum of the squares of the components that are left out; empty where there are none.
+    pub rest: Vec<f32>,
     /// `[component]` mean square of the filled texels, relative to the peak.
     pub moment: Vec<f64>,
     /// Finest step at which averages fit.

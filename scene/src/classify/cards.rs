@@ -4,6 +4,7 @@ use glam::DVec3;
 
 use crate::alpha::Coverage;
 use crate::mesh::{AlphaMode, Mesh};
+use crate::rays::{points, uv};
 use crate::sampling::on_triangle;
 use crate::texture::{SrgbTable, color};
 
@@ -27,17 +28,15 @@ pub(super) fn cut_of_green(mesh: &Mesh, material: usize) -> Option<f64> {
     let table = SrgbTable::new();
     let (mut all, mut left, mut sum) = (0.0, 0.0, DVec3::ZERO);
     for &triangle in triangles.iter().step_by(triangles.len().div_ceil(LOOKED_AT).max(1)) {
-        let corners = mesh.triangles[triangle].map(|vertex| vertex as usize);
-        let [a, b, c] = corners.map(|vertex| DVec3::from_array(mesh.positions[vertex].map(f64::from)));
+        let [a, b, c] = points(mesh, triangle).map(|point| point.as_dvec3());
         let share = (b - a).cross(c - a).length();
         for point in 0..POINTS {
-            let [u, v] = on_triangle(triangle as u32, point);
-            let weights = [1.0 - u - v, u, v];
-            let uv = [0, 1].map(|axis| (0..3).map(|k| weights[k] * mesh.uvs[corners[k]][axis]).sum());
+            let weights = on_triangle(triangle as u32, point);
+            let uv = uv(mesh, triangle, weights);
             all += share;
             if coverage.present_at(uv) {
                 left += share;
-                let color = color(of, &mesh.images, &table, uv) * mesh.vertex_color(triangle, [u, v]);
+                let color = color(of, &mesh.images, &table, uv) * mesh.vertex_color(triangle, weights);
                 sum += color.as_dvec3() * share;
             }
         }

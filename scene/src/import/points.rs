@@ -191,8 +191,11 @@ pub(super) fn check_steps(
         count += 1;
         small += u64::from(longest.sqrt() < least * step);
     }
-    let edge = (sum / (3 * count).max(1) as f64).sqrt();
-    let share = small as f64 / count.max(1) as f64;
+    if count == 0 {
+        return Ok(());
+    }
+    let edge = (sum / (3 * count) as f64).sqrt();
+    let share = small as f64 / count as f64;
     let edges = match stored {
         _ if edge < least * step => format!("edges of {} in the mean", crate::extents::number(edge)),
         Stored::Digits(_) if share > MAX_SMALL => {
@@ -200,12 +203,9 @@ pub(super) fn check_steps(
         }
         _ => return Ok(()),
     };
-    if count == 0 {
-        return Ok(());
-    }
     Err(files.malformed(
         place,
-        format!("coordinates of {:.0} {how} {step} there, and {edges}", reach.farthest(),),
+        format!("coordinates of {:.0} {how} {step} there, and {edges}", reach.farthest()),
         format!(
             "edges of {least} steps at least: the shape is lost in the file; export the plant near its origin"
         ),

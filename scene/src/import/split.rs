@@ -23,7 +23,8 @@ use super::things::{Things, told_of_material, told_of_part};
 use crate::MaterialClass;
 use crate::classify::words::Told;
 use crate::mesh::{AlphaMode, Image, Material, Mesh, Part, PartUse, Texture, around};
-use crate::sampling::r2_sequence;
+use crate::rays::uv;
+use crate::sampling::on_triangle;
 use crate::texture;
 
 /// Points of a triangle at which a texture of what passes is read.
@@ -234,20 +235,12 @@ fn code(told: &Told) -> u8 {
 /// Means over a triangle of a texture: linear R, G and B, and alpha, 0 to 1.
 fn mean_of(mesh: &Mesh, texture: Texture, triangle: usize) -> [f64; 4] {
     let Some(image) = mesh.images.get(texture.image as usize) else { return [1.0; 4] };
-    let corners = mesh.triangles[triangle].map(|vertex| mesh.uvs[vertex as usize]);
     let mut sums = [0.0f64; 4];
     for point in 0..POINTS {
-        let [u, v] = r2_sequence(triangle as u32, point);
-        let [u, v] = if u + v > 1.0 { [1.0 - u, 1.0 - v] } else { [u, v] };
-        let uv =
-            [0, 1].map(|axis| corners[0][axis] * (1.0 - u - v) + corners[1][axis] * u + corners[2][axis] * v);
-        let texel = texture::nearest(&texture, image, uv).map(|value| f64::from(value) / 255.0);
-        let [r, g, b, alpha] = texel;
-        for (sum, value) in
-            sums.iter_mut().zip([texture::linear(r), texture::linear(g), texture::linear(b), alpha])
-        {
-            *sum += value;
-        }
+        let uv = uv(mesh, triangle, on_triangle(triangle as u32, point));
+        let [r, g, b, alpha] = texture::nearest(&texture, image, uv).map(|value| f64::from(value) / 255.0);
+        let values = [texture::linear(r), texture::linear(g), texture::linear(b), alpha];
+        sums.iter_mut().zip(values).for_each(|(sum, value)| *sum += value);
     }
     sums.map(|sum| sum / f64::from(POINTS))
 }

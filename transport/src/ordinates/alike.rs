@@ -21,7 +21,7 @@ use rayon::prelude::*;
 
 use super::band::Band;
 use super::error::OrdinatesError;
-use super::fields::{BandLight, Making, weighted};
+use super::fields::{BandLight, Making, add_weighted, weighted};
 use super::scatter::{Lit, Scattering};
 use super::suns::SolvePlan;
 use pivots::{back_substituted, pivots};
@@ -107,9 +107,8 @@ impl AlikeBands {
             Ok(light)
         };
         let unlike = Picks::of(gains_of(bands), &[], SAME_GAINS);
-        // One at least, for its light to say what all light is like.
-        let first = if unlike.bands.is_empty() { vec![0] } else { unlike.longer_than(MAX_UNLIKE).to_vec() };
-        let light = light_of(&first, &|share| progress(0.4 * share))?;
+        let first = unlike.longer_than(MAX_UNLIKE);
+        let light = light_of(first, &|share| progress(0.4 * share))?;
         let mut solved: Vec<(usize, BandLight)> = first.iter().copied().zip(light).collect();
         let mut seen: Vec<Lit> = (0..bands.count).map(|_| Lit::default()).collect();
         solved.iter().for_each(|(band, light)| seen[*band] = light.seen.clone());
@@ -130,9 +129,8 @@ impl AlikeBands {
             some.iter().zip(lit).for_each(|(band, lit)| seen[*band] = lit);
         }
         let direct = making.beams[fitted..].iter().map(|near| near.beam.mean.as_slice()).chain(making.sky);
-        let given: Vec<usize> = solved.iter().map(|(band, _)| *band).collect();
-        let picks = Picks::of(relative(&seen, &direct.collect::<Vec<_>>()), &given, MAX_ERROR);
-        let more: Vec<usize> = picks.bands.iter().copied().filter(|band| !given.contains(band)).collect();
+        let picks = Picks::of(relative(&seen, &direct.collect::<Vec<_>>()), first, MAX_ERROR);
+        let more: Vec<usize> = picks.bands.iter().copied().filter(|band| !first.contains(band)).collect();
         let light = light_of(&more, &|share| progress(0.7 + 0.3 * share))?;
         solved.extend(more.into_iter().zip(light));
         Ok(AlikeBands { seen, solved, picks, dark: making.dark() })
@@ -140,13 +138,12 @@ impl AlikeBands {
 
     /// Light of a band; it is asked for once.
     pub(super) fn take(&mut self, band: usize) -> BandLight {
-        if let Some((_, light)) = self.solved.iter().find(|(solved, _)| *solved == band) {
+        let solved =
+            |band: usize| self.solved.iter().find(|(solved, _)| *solved == band).map(|(_, light)| light);
+        if let Some(light) = solved(band) {
             return light.clone();
         }
-        let of_pick = |pick: &usize| {
-            let (_, light) = self.solved.iter().find(|(solved, _)| solved == pick).expect("picks are solved");
-            light
-        };
+        let of_pick = |pick: &usize| solved(*pick).expect("picks are solved");
         let picked: Vec<&BandLight> = self.picks.bands.iter().map(of_pick).collect();
         let weights = self.picks.weights_of(band, picked.len());
         weighted(&picked, &weights, &self.dark, std::mem::take(&mut self.seen[band]))
@@ -157,10 +154,7 @@ impl AlikeBands {
 fn guessed(seen: &[Lit], some: &[usize], weights: &[f64]) -> Vec<Vec<f32>> {
     let of = |at: usize| {
         let mut sum = vec![0.0_f32; seen[some[0]].light[at].len()];
-        for (&band, weight) in some.iter().zip(weights) {
-            let weight = *weight as f32;
-            sum.iter_mut().zip(&seen[band].light[at]).for_each(|(sum, light)| *sum += weight * light);
-        }
+        add_weighted(&mut sum, some.iter().map(|&band| seen[band].light[at].as_slice()), weights);
         sum
     };
     let lights = some.first().map_or(0, |first| seen[*first].light.len());
@@ -216,7 +210,7 @@ struct Picks {
 
 impl Picks {
     /// Those that make all others to an error, first the ones that are `given` and needed.
-    fn of((vectors, units): (Vec<Vec<f64>>, Vec<f64>), given: &[usize], max_error: f64) -> Picks {
+    fn of((vectors, units): Vectors, given: &[usize], max_error: f64) -> Picks {
         let product =
             |a: &[f64], b: &[f64]| a.iter().zip(b).map(|(a, b)| a * b).sum::<f64>() / a.len().max(1) as f64;
         let products: Vec<Vec<f64>> =

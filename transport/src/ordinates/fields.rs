@@ -106,7 +106,7 @@ impl Making<'_> {
                 }
             }
         }
-        fields.append(&mut of_suns);
+        fields.extend(of_suns);
         let converged = error_estimate <= settings.tolerance;
         (fields, total, BandReport { band, solves, passes, error_estimate, converged, suns_rms })
     }
@@ -114,20 +114,25 @@ impl Making<'_> {
 
 /// Sums of the light of some bands, by weights: `seen` is solved by itself. `dark` is light where nothing is scattered.
 pub(super) fn weighted(picked: &[&BandLight], weights: &[f64], dark: &BandLight, seen: Lit) -> BandLight {
-    let factors: Vec<f32> = weights.iter().map(|weight| *weight as f32).collect();
     // Beams are in the total light of each band, and in their weighted sum as often as the weights say.
     let rest = (1.0 - weights.iter().sum::<f64>()) as f32;
     let sums = |of: &(dyn Fn(&BandLight) -> &[Vec<f32>] + Sync)| {
         let sum = |(at, dark): (usize, &Vec<f32>)| -> Vec<f32> {
             let mut sum: Vec<f32> = dark.iter().map(|dark| rest * dark).collect();
-            for (picked, factor) in picked.iter().zip(&factors) {
-                sum.iter_mut().zip(&of(picked)[at]).for_each(|(sum, value)| *sum += factor * value);
-            }
+            add_weighted(&mut sum, picked.iter().map(|picked| of(picked)[at].as_slice()), weights);
             sum
         };
-        of(dark).par_iter().enumerate().map(|(at, dark)| sum((at, dark))).collect()
+        of(dark).par_iter().enumerate().map(sum).collect()
     };
     BandLight { of_suns: sums(&|light| &light.of_suns), total: sums(&|light| &light.total), seen }
+}
+
+/// Adds the light of some bands, `[site]` each, by weights.
+pub(super) fn add_weighted<'a>(sum: &mut [f32], lights: impl Iterator<Item = &'a [f32]>, weights: &[f64]) {
+    for (light, weight) in lights.zip(weights) {
+        let weight = *weight as f32;
+        sum.iter_mut().zip(light).for_each(|(sum, light)| *sum += weight * light);
+    }
 }
 
 /// The weighted sum of three bases, site by site.
