@@ -30,12 +30,13 @@ mod unix {
     /// From here on signals do what this module says. Without it the command still works, so a failure of that is no
     /// error.
     pub(crate) fn handle() {
+        // First, as what follows takes memory, and a thread of its own.
+        let _ = abort_with_codes();
         let ignored = ignored();
         let is_heeded = |signal: &i32| ignored >> (signal - 1) & 1 == 0;
         let _ = end_by(ENDING.into_iter().filter(is_heeded).collect());
         // A handler that does nothing, so that the write fails in place of the process.
         let _ = register(SIGXFSZ, Arc::default());
-        let _ = abort_with_codes();
     }
 
     /// Rust aborts where an allocation fails, and has said so; and where a panic cannot go on.

@@ -218,6 +218,29 @@ fn memory_that_is_refused_ends_a_run_with_a_documented_code() {
     assert!(runs.get() > 80, "{}", runs.get());
 }
 
+/// Where the program itself just fits, and a thread's stack of 2 MB after it, the first memory that is missing is that
+/// of its own start.
+#[test]
+fn memory_that_is_missing_at_the_start_is_6() {
+    let folder = folder();
+    let fits = |kb: u64| {
+        let run = folder.try_under(&[format!("-v {kb}")], &["--version"]);
+        run.is_some_and(|run| run.code == 0)
+    };
+    let (mut small, mut large) = (LIMITS_KB.start, LIMITS_KB.end);
+    while large - small > 16 {
+        let middle = (small + large) / 2;
+        *if fits(middle) { &mut large } else { &mut small } = middle;
+    }
+    let mut refused = 0;
+    for kb in (large..large + 4096).step_by(32) {
+        let run = folder.flb_under(&[format!("-v {kb}")], &["info", "card.flb", "--threads", "2"]);
+        assert!([0, 6].contains(&run.code), "{kb} kB: {}: {}", run.code, run.stderr);
+        refused += u32::from(run.code == 6);
+    }
+    assert!(refused > 64, "{refused} of 128 from {large} kB on");
+}
+
 /// What fails at the cache alone is a warning.
 #[test]
 fn a_cache_that_fails_is_a_warning_and_the_bake_goes_on() {
