@@ -39,7 +39,9 @@ pub use key::Key;
 pub use light::{LightSource, converged, error_of};
 pub use observer::{BakeObserver, Event, SolveSummary, base_list, why_whole};
 pub use paper::{paper_solves, solver_name};
-pub use scene::{BakedAlone, BakedScene, PlantedScene, ScenePlant, SceneSettings, bake_scene};
+pub use scene::{
+    BakedAlone, BakedScene, PlantedScene, ScenePlant, SceneSettings, SceneTransport, bake_scene,
+};
 pub use settings::{BakeSettings, ModelSettings, PaperSettings, PhysicalSettings, Wanted, unsolved_light};
 pub use store::{NoStore, Store, digest};
 

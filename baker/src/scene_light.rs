@@ -24,6 +24,7 @@ mod entry;
 mod error;
 mod grains;
 mod ground;
+mod paper;
 #[cfg(test)]
 mod tests;
 
@@ -41,9 +42,10 @@ use flb_transport::turbid::scatter;
 use grains::Grain;
 
 pub use digest::stand_digest;
-pub use entry::{Entry, entry};
+pub use entry::{Entry, entry, paper_entry};
 pub use error::SceneLightError;
 pub use ground::Ground;
+pub use paper::{coarse_medium, extinction, mean_optics, optics_in_luminance};
 
 /// Luminance of linear R, G and B (ITU-R BT.709).
 const LUMINANCE: [f64; 3] = [0.2126, 0.7152, 0.0722];
@@ -57,8 +59,6 @@ pub struct Plant<'a> {
     pub name: &'a str,
     /// Fine medium of the species.
     pub turbid: &'a TurbidMedium,
-    /// Surfaces in luminance.
-    pub surfaces: BandSurfaces,
 }
 
 /// Medium and surfaces on the lattice of a scene.
@@ -97,11 +97,7 @@ impl Stand {
 /// # Errors
 /// [`SceneLightError::Bands`] unless red, green and blue are among them.
 pub fn luminance(species: &str, surfaces: &Surfaces) -> Result<BandSurfaces, SceneLightError> {
-    let names = || surfaces.bands.iter().map(|band| band.name.as_str());
-    let Some(colors) = color_bands(names()) else {
-        let found = names().collect::<Vec<_>>().join(", ");
-        return Err(SceneLightError::Bands { species: species.to_owned(), found });
-    };
+    let colors = colors_of(species, surfaces.bands.iter().map(|band| band.name.as_str()))?;
     let mean = |of: &dyn Fn(&BandSurfaces) -> f64| -> f64 {
         colors.iter().zip(LUMINANCE).map(|(&band, weight)| weight * of(&surfaces.bands[band])).sum()
     };
@@ -110,6 +106,17 @@ pub fn luminance(species: &str, surfaces: &Surfaces) -> Result<BandSurfaces, Sce
         mean(&|band| band.leaf.transmittance),
         mean(&|band| band.wood.reflectance),
     ))
+}
+
+/// Places of red, green and blue among the bands of a species.
+fn colors_of<'n>(
+    species: &str,
+    names: impl Iterator<Item = &'n str> + Clone,
+) -> Result<[usize; 3], SceneLightError> {
+    color_bands(names.clone()).ok_or_else(|| SceneLightError::Bands {
+        species: species.to_owned(),
+        found: names.collect::<Vec<_>>().join(", "),
+    })
 }
 
 fn band(reflectance: f64, transmittance: f64, wood: f64) -> BandSurfaces {
@@ -195,27 +202,63 @@ impl<'a> Scenery<'a> {
         alone::alone(&self.plants[species], grains, self.grid.spacing_m / scale)
     }
 
-    /// All instances and the ground. `factors` are those of the species alone.
+    /// All instances and the ground. `factors` are those of the species alone, `surfaces` theirs in luminance.
     ///
     /// # Panics
-    /// If there are fewer factors than species.
-    pub fn stand(&self, factors: &[f64]) -> Stand {
+    /// If there are fewer factors or surfaces than species.
+    pub fn stand(&self, factors: &[f64], surfaces: &[BandSurfaces]) -> Stand {
         let tops = self.ground.map(|ground| ground.tops(&self.grid));
         let mut sums = Sums::new(self.grid, tops);
         let mut mix = Mix::default();
         for instance in self.instances {
             let plant = &self.plants[instance.species];
+            let surfaces = &surfaces[instance.species];
             let usage = &self.usage[instance.species];
-            let LeafSurface { reflectance, transmittance } = plant.surfaces.leaf;
+            let LeafSurface { reflectance, transmittance } = surfaces.leaf;
             let (factor, albedo) =
-                (factors[instance.species], [reflectance + transmittance, plant.surfaces.wood.reflectance]);
+                (factors[instance.species], [reflectance + transmittance, surfaces.wood.reflectance]);
             sums.add(instance, &usage.grains, factor, albedo);
-            mix.add(plant, &usage.grains, factor * instance.transform.scale * instance.transform.scale);
+            mix.add(plant, surfaces, usage.area_m2(factor, instance));
         }
         let soil = self.ground.map(Ground::soil);
         let (turbid, albedos, is_ground) = sums.finish(mix.angles(), soil);
         let below = self.ground.map_or(1.0, |ground| ground.reflectance as f32);
         Stand { turbid, albedos, is_ground, surfaces: mix.surfaces(), below }
+    }
+
+    /// Matter of all instances by itself, without the ground.
+    ///
+    /// # Panics
+    /// If there are fewer factors than species.
+    pub fn matter(&self, factors: &[f64]) -> TurbidMedium {
+        let mut sums = Sums::new(self.grid, None);
+        for instance in self.instances {
+            let species = instance.species;
+            sums.add(instance, &self.usage[species].grains, factors[species], [0.0; 2]);
+        }
+        sums.finish(LeafAngles::spherical(), None).0
+    }
+
+    /// Optical area of all instances, m^2: `[species][leaf, wood]`.
+    ///
+    /// # Panics
+    /// If there are fewer factors than species.
+    pub fn areas_m2(&self, factors: &[f64]) -> Vec<[f64; 2]> {
+        let mut areas = vec![[0.0; 2]; self.plants.len()];
+        for instance in self.instances {
+            let species = instance.species;
+            let more = self.usage[species].area_m2(factors[species], instance);
+            areas[species].iter_mut().zip(more).for_each(|(area, more)| *area += more);
+        }
+        areas
+    }
+}
+
+impl Usage {
+    /// Optical area of an instance, m^2: leaf, wood. It grows with the square of its scale.
+    fn area_m2(&self, factor: f64, instance: &Placement) -> [f64; 2] {
+        let larger = factor * instance.transform.scale * instance.transform.scale;
+        [0, 1].map(|kind| larger * self.grains.iter().map(|grain| grain.area_m2[kind]).sum::<f64>())
     }
 }
 
@@ -231,9 +274,7 @@ struct Mix {
 }
 
 impl Mix {
-    fn add(&mut self, plant: &Plant, grains: &[Grain], larger: f64) {
-        let area = [0, 1].map(|kind| larger * grains.iter().map(|grain| grain.area_m2[kind]).sum::<f64>());
-        let surfaces = &plant.surfaces;
+    fn add(&mut self, plant: &Plant, surfaces: &BandSurfaces, area: [f64; 2]) {
         self.sums[0] += area[0] * surfaces.leaf.reflectance;
         self.sums[1] += area[0] * surfaces.leaf.transmittance;
         self.sums[2] += area[1] * surfaces.wood.reflectance;

@@ -1,13 +1,12 @@
 //! `flb bake-scene`: from a scene and its species' libraries to one library of scene light.
 
 use flb_baker::BakeError;
-use flb_baker::bake::{BakedScene, PlantedScene, ScenePlant, SceneSettings, bake_scene};
+use flb_baker::bake::{BakedScene, PlantedScene, ScenePlant, SceneSettings, SceneTransport, bake_scene};
 use flb_files::check_unread;
 use flb_format::SpeciesFields;
 use flb_packer::{EncodeSettings, encode_species, write_library};
 use flb_scene::Step;
 use flb_scene::scene::SceneSpecies;
-use flb_transport::ordinates::OrdinatesSettings;
 use serde::Serialize;
 
 use crate::args::BakeSceneArgs;
@@ -17,7 +16,7 @@ use crate::exit::{Failure, LOSS, USAGE};
 use crate::forest::scene_species;
 use crate::inputs::{check_local, check_output_of, open, read_scene_to_light};
 use crate::memory::check_bytes;
-use crate::print::{self, line};
+use crate::print::{self, line, say};
 use crate::stages::{Stage, Stages};
 use crate::summary::stage_table;
 
@@ -36,8 +35,11 @@ struct Summary {
     spacing_m: f64,
     sites_nonempty: usize,
     ground_sites: usize,
-    /// Root mean square error of the fit over the suns that were held out, of the mean total fluence.
-    suns_rms: f64,
+    /// Root mean square error of the fit over the suns that were held out, of the mean total fluence; `null` of plants
+    /// of the model `paper`, which fits none.
+    suns_rms: Option<f64>,
+    /// Whether the scene has a ground that its light leaves out.
+    ground_left_out: bool,
     converged: bool,
     species: Vec<SpeciesSummary>,
     stages: Vec<Stage>,
@@ -53,6 +55,8 @@ struct SpeciesSummary {
     sites_nonempty: usize,
     /// Of the extinction, so that it is as open as its fine medium.
     factor: f64,
+    /// Edge of a site, in widths of the crown.
+    site_widths: f64,
     /// Whether an earlier bake solved it.
     cached: bool,
 }
@@ -65,9 +69,15 @@ pub(crate) fn run(args: &BakeSceneArgs) -> Result<u8, Failure> {
     let stages = Stages::default();
     let scene = stages.run(Step::Load, "", |_| PlantedScene::of(scene, |species| plant(species, args)))?;
     check_unread(&args.output)?;
-    let field = scene.field().map_err(|error| at_scene(error.into()))?;
-    let settings = settings(args)?;
-    check_memory(args, &settings.solve(args.lattice, field))?;
+    let transport = scene.transport().map_err(|error| at_scene(error.into()))?;
+    let settings = settings(args, transport)?;
+    check_memory(args, settings.items(transport))?;
+    if scene.is_ground_left_out() {
+        say!(
+            "warning: {}: the ground is left out of the scene's light: the model paper knows plants alone",
+            args.scene.display()
+        );
+    }
     args.cache.as_deref().map_or(Ok(()), check_local)?;
     let cache = Cache::open(args.cache.as_deref());
 
@@ -75,6 +85,7 @@ pub(crate) fn run(args: &BakeSceneArgs) -> Result<u8, Failure> {
         BakeError::Scene(error) => at_scene(error.into()),
         error => error.into(),
     })?;
+    tell_of_large_sites(&scene, &baked, args.lattice);
     let coding = EncodeSettings::scene_light();
     let encode = |entry: &SpeciesFields| {
         stages.run(Step::Encode, &entry.meta.name, |progress| encode_species(entry, &coding, progress))
@@ -103,36 +114,53 @@ fn plant(species: &SceneSpecies, args: &BakeSceneArgs) -> Result<ScenePlant, Fai
     let index = scene_species(&library, species)?;
     let meta = &library.container().species()[index].meta;
     let at_file = |failure: Failure| failure.at(library.path());
-    let Some((surfaces, light)) = meta.physical() else {
-        let message = format!(
-            "species {name:?} is of the model paper, whose plants are as dense as their lattice makes them: bake it with --model physical"
-        );
-        return Err(at_file(Failure::new(USAGE, message)));
-    };
-    let turbid =
-        library.container().read_turbid(library.source(), index).map_err(|error| at_file(error.into()))?;
+    let (container, source) = (library.container(), library.source());
+    if let Some(optics) = meta.optics() {
+        let medium = container.read_medium(source, index).map_err(|error| at_file(error.into()))?;
+        return ScenePlant::of_paper(name, &medium, optics).map_err(|error| at_file(error.into()));
+    }
+    let (surfaces, light) = meta.physical().expect("a species is of one of two models");
+    let turbid = container.read_turbid(source, index).map_err(|error| at_file(error.into()))?;
     ScenePlant::new(name, turbid, surfaces, light.field).map_err(|error| at_file(error.into()))
 }
 
-fn settings(args: &BakeSceneArgs) -> Result<SceneSettings, Failure> {
-    let ordinates = ordinates_of(args.ordinates)?;
+fn settings(args: &BakeSceneArgs, transport: SceneTransport) -> Result<SceneSettings, Failure> {
+    let default = SceneSettings::default();
+    let given = [("--suns", args.suns.is_some()), ("--ordinates", args.ordinates.is_some())];
+    if let (SceneTransport::Lattice, Some((flag, _))) = (transport, given.iter().find(|(_, given)| *given)) {
+        let message = format!("{flag} is of the model physical: the species' light is of the model paper");
+        return Err(Failure::new(USAGE, message).at(&args.scene));
+    }
     check_lattice(args.lattice)?;
     check_end(args.tolerance, args.max_sweeps)?;
     Ok(SceneSettings {
         lattice: args.lattice,
-        suns: args.suns.basis(),
-        ordinates,
+        suns: args.suns.map_or(default.suns, |suns| suns.basis()),
+        ordinates: args.ordinates.map_or(Ok(default.ordinates), ordinates_of)?,
         tolerance: args.tolerance,
         max_passes: args.max_sweeps,
     })
 }
 
 /// Refuses a lattice over the limit before anything is made.
-fn check_memory(args: &BakeSceneArgs, settings: &OrdinatesSettings) -> Result<(), Failure> {
+fn check_memory(args: &BakeSceneArgs, items: usize) -> Result<(), Failure> {
     let sites = u64::from(args.lattice).pow(3);
-    let needed = sites * (BYTES_PER_SITE + 4 * settings.items().len() as u64);
+    let needed = sites * (BYTES_PER_SITE + 4 * items as u64);
     check_bytes(&format!("a lattice of {} sites along each edge", args.lattice), needed, &args.memory)
         .map_err(|failure| failure.at(&args.scene))
+}
+
+/// Warns of species whose crowns are smaller than a site: nothing is known of light within one.
+fn tell_of_large_sites(scene: &PlantedScene, baked: &BakedScene, lattice: u32) {
+    for (plant, alone) in scene.plants.iter().zip(&baked.species) {
+        if alone.site_widths > 1.0 {
+            say!(
+                "warning: species {:?}: a site of the scene's lattice is {:.1} times as wide as the crown, expected a tenth of it: the shade that neighbours cast is lost in it. Take more sites than --lattice {lattice}, or bake a smaller scene",
+                plant.name(),
+                alone.site_widths
+            );
+        }
+    }
 }
 
 fn summary(
@@ -144,6 +172,7 @@ fn summary(
 ) -> Summary {
     let sites_nonempty =
         |entry: &SpeciesFields| entry.turbid.as_ref().map_or(0, |turbid| turbid.sites().len());
+    let ground_left_out = scene.is_ground_left_out();
     let species = baked.species.iter().zip(&scene.plants).enumerate().map(|(index, (alone, plant))| {
         let grid = &alone.fields.meta.grid;
         SpeciesSummary {
@@ -153,6 +182,7 @@ fn summary(
             spacing_m: grid.spacing_m,
             sites_nonempty: sites_nonempty(&alone.fields),
             factor: alone.factor,
+            site_widths: alone.site_widths,
             cached: alone.cached,
         }
     });
@@ -167,6 +197,7 @@ fn summary(
         sites_nonempty: sites_nonempty(&baked.stand) - baked.ground_sites,
         ground_sites: baked.ground_sites,
         suns_rms: baked.suns_rms,
+        ground_left_out,
         converged: baked.converged,
         stages,
     }
@@ -176,24 +207,25 @@ fn text(summary: &Summary) -> String {
     let mut text = format!("{}\n", stage_table(&summary.stages));
     for species in &summary.species {
         text += &line!(
-            "{}: {} instances; alone on {} sites of {:.3} m, {} with matter, extinction times {:.3}{}",
+            "{}: {} instances; alone on {} sites of {:.3} m ({:.2} crown widths), {} with matter, extinction times {:.3}{}",
             species.name,
             species.instances,
             species.lattice,
             species.spacing_m,
+            species.site_widths,
             species.sites_nonempty,
             species.factor,
             if species.cached { ", from the cache" } else { "" },
         );
     }
     text += &line!(
-        "scene: {} instances on {} sites of {:.3} m, {} with matter, {} of ground; suns off by {:.1} %",
+        "scene: {} instances on {} sites of {:.3} m, {} with matter, {} of ground{}",
         summary.instances,
         summary.lattice,
         summary.spacing_m,
         summary.sites_nonempty,
         summary.ground_sites,
-        100.0 * summary.suns_rms,
+        summary.suns_rms.map_or(String::new(), |rms| format!("; suns off by {:.1} %", 100.0 * rms)),
     );
     text + &line!("{}: {}", summary.output, print::bytes(summary.bytes))
 }

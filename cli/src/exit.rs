@@ -161,6 +161,7 @@ impl From<RuntimeError> for Failure {
             | RuntimeError::MissingBase { .. }
             | RuntimeError::LeftOut { .. }
             | RuntimeError::NoSceneLight { .. }
+            | RuntimeError::SceneFactor
             | RuntimeError::UnevenSky { .. } => USAGE,
             _ => VERDICT,
         };
@@ -310,6 +311,9 @@ impl From<SceneLightError> for Failure {
             SceneLightError::TooFine { .. } => Failure::new(LIMIT, error),
             SceneLightError::Fields { .. } => {
                 Failure::new(USAGE, format!("{error}: bake them with one --field"))
+            }
+            SceneLightError::Models { .. } => {
+                Failure::new(USAGE, format!("{error}: bake them with one --model"))
             }
             error => Failure::new(USAGE, error),
         }

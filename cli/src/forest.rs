@@ -17,7 +17,7 @@ use flb_stage::{
 };
 use serde::Serialize;
 
-use crate::args::{BandArgs, MemoryArgs, RenderArgs, RenderBackendArg};
+use crate::args::{BandArgs, MemoryArgs, RenderArgs, RenderBackendArg, SceneLightArgs};
 use crate::exit::{Failure, USAGE};
 use crate::inputs::{check_local, check_output_of, open, read_scene};
 use crate::memory::{check, check_plants, sampler_bytes};
@@ -89,7 +89,7 @@ pub(crate) fn run(args: &RenderArgs) -> Result<u8, Failure> {
     sky.over([0.0, 1.0, 0.0], None, ScenePlant::units(&plants)).map_err(|error| at_scene(error.into()))?;
     let plant_bytes = Stage::PLANT_BYTES + if sky.is_even() { 0 } else { Stage::SKY_BYTES };
     check_plants(&args.file, scene.instances.len(), plant_bytes, &args.memory)?;
-    let stage = stages.run(Step::Load, "", |_| on_stage(scene, plants, args.scene_light.as_deref()))?;
+    let stage = stages.run(Step::Load, "", |_| on_stage(scene, plants, &args.file, &args.scene_light))?;
     let default = Look::default();
     let settings = LookSettings {
         size: args.size,
@@ -155,13 +155,28 @@ fn backend(backend: RenderBackendArg, gpus: Option<GpuCount>) -> Backend {
     }
 }
 
-/// The scene with its plants and the scene light that a flag or the scene names.
-pub(crate) fn on_stage(scene: Scene, plants: Vec<ScenePlant>, flag: Option<&Path>) -> Result<Stage, Failure> {
-    let file = flag.or(scene.light.as_deref()).map(Path::to_owned);
+/// The scene of a file with its plants and the scene light that a flag or the scene names.
+pub(crate) fn on_stage(
+    scene: Scene,
+    plants: Vec<ScenePlant>,
+    of: &Path,
+    flags: &SceneLightArgs,
+) -> Result<Stage, Failure> {
+    let file = flags.scene_light.as_deref().or(scene.light.as_deref()).map(Path::to_owned);
     let stage = Stage::new(scene, plants)?;
-    let Some(file) = file else { return Ok(stage) };
+    let Some(file) = file else {
+        return match flags.scene_factor {
+            None => Ok(stage),
+            Some(_) => {
+                let message = "--scene-factor needs scene light: a `light` of the scene, or --scene-light";
+                Err(Failure::new(USAGE, message).at(of))
+            }
+        };
+    };
     let library = open(&file)?;
-    let light = SceneLight::load(&library)?;
+    let factor = flags.scene_factor.unwrap_or_default();
+    let compared = SceneLight::load(&library)?.compared_with(factor);
+    let light = compared.map_err(|error| Failure::from(error).at(library.path()))?;
     stage.with_scene_light(light).map_err(|error| match error {
         flb_stage::StageError::At { .. } => error.into(),
         error => Failure::from(error).at(library.path()),

@@ -75,10 +75,10 @@ pub(crate) fn run(args: &RenderArgs) -> Result<u8, Failure> {
     if args.gpus.is_some() {
         return Err(Failure::new(USAGE, "--gpus is for scenes (.toml); a single plant is drawn on the CPU"));
     }
-    if args.scene_light.is_some() {
+    if let Some(flag) = args.scene_light.given() {
         return Err(Failure::new(
             USAGE,
-            "--scene-light is for scenes (.toml); a plant alone has no neighbours",
+            format!("{flag} is for scenes (.toml); a plant alone has no neighbours"),
         ));
     }
     let mut inputs: Vec<&Path> = vec![&args.file, mesh_file];

@@ -81,7 +81,7 @@ pub(crate) fn run(args: &ViewArgs) -> Result<u8, Failure> {
     let (needs_sun, is_even) = (sky.needs_sun(), sky.is_even());
     let plant_bytes = Stage::PLANT_BYTES + if is_even { 0 } else { Stage::SKY_BYTES };
     check_plants(&args.scene, scene.instances.len(), plant_bytes, &args.memory)?;
-    let stage = forest::on_stage(scene, plants, args.scene_light.as_deref())?;
+    let stage = forest::on_stage(scene, plants, &args.scene, &args.scene_light)?;
     let scene = &stage.scene;
     let settings =
         LookSettings { size: None, samples: args.samples, ambient: args.ambient, look: Look::default() };

@@ -144,6 +144,15 @@ impl Model {
         self.physical().is_some()
     }
 
+    /// Light of a sky of strength 1 where nothing stands: the papers' ambient base adds up 18 directions, the other's
+    /// fluence is 1.
+    pub fn open_sky(&self) -> f32 {
+        match self {
+            Model::Paper { .. } => crate::direction::MOVING as f32,
+            Model::Physical { .. } => 1.0,
+        }
+    }
+
     /// Whether its light is never below 0: what a reader finds below is an error of the coding, to be cut off.
     pub fn is_bounded(&self) -> bool {
         self.physical().is_some()

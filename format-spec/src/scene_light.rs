@@ -6,10 +6,12 @@
 
 use serde_json::Value;
 
-use crate::SpeciesMeta;
+use crate::container::Container;
 use crate::light::FieldKind;
+use crate::optics::Optics;
 use crate::surfaces::Surfaces;
 use crate::turbid::TurbidMedium;
+use crate::{FormatError, Medium, Source, SpeciesMeta};
 
 /// Name of the entry of the whole scene.
 pub const SCENE_NAME: &str = "scene";
@@ -25,6 +27,17 @@ pub const SPECIES: &str = "scene.species";
 
 /// Setting of a species alone that tells the digest of the plant that its light was solved for.
 pub const PLANT: &str = "scene.plant";
+
+/// Light that a whole scene's is compared with, to say how neighbours change the light of a plant.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+#[cfg_attr(feature = "clap", derive(clap::ValueEnum))]
+pub enum SceneFactor {
+    /// The plant by itself, whose own shade is in its own light already
+    #[default]
+    Alone,
+    /// An empty scene, as the papers have it: the plant's own shade counts once more
+    Empty,
+}
 
 /// Role of an entry of a library.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -51,6 +64,41 @@ pub fn plant_digest(surfaces: &Surfaces, field: FieldKind, turbid: &TurbidMedium
         hasher.update(bytes);
     });
     hasher.finalize().to_hex().to_string()
+}
+
+/// BLAKE3 of all that a plant of the model `paper` does to light, 64 hexadecimal digits: its optics, the density and
+/// the class of every site.
+pub fn paper_plant_digest(optics: &Optics, medium: &Medium) -> String {
+    let optics = serde_json::to_vec(optics).expect("names and numbers make JSON");
+    let mut hasher = blake3::Hasher::new();
+    hasher.update(&optics);
+    for value in medium.grid.origin_m.iter().chain([&medium.grid.spacing_m]) {
+        hasher.update(&value.to_le_bytes());
+    }
+    for (density, class) in medium.density.iter().zip(&medium.class) {
+        hasher.update(&density.to_le_bytes()).update(&[*class as u8]);
+    }
+    hasher.finalize().to_hex().to_string()
+}
+
+/// The digest of a plant as a file has it: [`plant_digest`] or [`paper_plant_digest`].
+///
+/// # Errors
+/// As [`Container::read_turbid`] and [`Container::read_medium`].
+///
+/// # Panics
+/// If there is no such species.
+pub fn digest_of_species(
+    container: &Container,
+    source: &dyn Source,
+    species: usize,
+) -> Result<String, FormatError> {
+    let meta = &container.species()[species].meta;
+    if let Some(optics) = meta.optics() {
+        return Ok(paper_plant_digest(optics, &container.read_medium(source, species)?));
+    }
+    let (surfaces, light) = meta.physical().expect("a species is of one of two models");
+    Ok(plant_digest(surfaces, light.field, &container.read_turbid(source, species)?))
 }
 
 impl Role {

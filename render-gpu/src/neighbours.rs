@@ -12,6 +12,8 @@ use crate::stages::{self, Among};
 
 const VOLUMES: &str = "volumes of scene light";
 const SMALLER: &str = "with a smaller lattice of the scene, or fewer plants that are tilted";
+/// Words before the volumes: the scene's own, and the light of an empty scene.
+const SCENE_WORDS: usize = 4;
 /// Words before a volume's values; `HEAD`.
 const HEAD: u64 = 6;
 
@@ -87,7 +89,7 @@ impl Neighbours {
 
 /// All volumes, and the first word of each.
 fn volume_words(shade: &FlatSceneLight<'_>) -> (Words, Vec<u32>) {
-    let mut words = Words(vec![0; 2]);
+    let mut words = Words(vec![0; SCENE_WORDS]);
     let mut firsts = Vec::new();
     for volume in &shade.volumes {
         firsts.push(words.0.len() as u32);
@@ -97,6 +99,9 @@ fn volume_words(shade: &FlatSceneLight<'_>) -> (Words, Vec<u32>) {
     }
     words.0[0] = firsts[shade.scene_sky];
     words.0[1] = shade.scene_sun.map_or(NONE, |sun| firsts[sun]);
+    // No light of an empty scene is 0, by which a shader tells that there is none.
+    let empty = shade.empty.unwrap_or([0.0; 2]).map(f32::to_bits);
+    words.0[2..SCENE_WORDS].copy_from_slice(&empty);
     (words, firsts)
 }
 

@@ -93,6 +93,11 @@ pub enum RuntimeError {
         /// Fault of the file.
         found: String,
     },
+    /// Scene light that cannot be compared with an empty scene.
+    #[error(
+        "fields of light scattered at single suns lack the sun's own beam, which an empty scene's light is: compare with each plant alone, or bake the scene with --suns sh1"
+    )]
+    SceneFactor,
     /// A sun without a direction.
     #[error("the direction towards the sun is {found:?}, expected finite numbers that are not all 0")]
     NoDirection {

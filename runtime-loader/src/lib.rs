@@ -38,6 +38,7 @@ mod base;
 mod entry;
 mod error;
 pub mod extinction;
+mod file_light;
 #[cfg(feature = "gpu")]
 pub mod gpu;
 mod library;

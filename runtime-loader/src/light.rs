@@ -26,7 +26,6 @@
 
 pub(crate) mod cursor;
 mod cursors;
-mod file;
 pub(crate) mod instance;
 mod sky;
 
@@ -41,10 +40,10 @@ pub(crate) use sky::{OTHER_ROWS, SkyRows};
 pub use sky::{SkyBeams, SkyLight};
 
 use crate::entry::known_species;
+use crate::file_light::{FileLight, bases_for};
 use crate::resident::{LightLevel, ResidentSpecies};
 use crate::sun_terms::unit;
 use crate::{Daylight, InstanceLight, Library, LightCursor, RuntimeError};
-use file::FileLight;
 
 /// The light of one species, ready for any sun.
 pub struct SpeciesLight<'r> {
@@ -82,7 +81,7 @@ impl SpeciesLight<'static> {
         if known_species(library, species)?.meta.optics().is_none() {
             return SpeciesLight::load(library, species);
         }
-        Ok(SpeciesLight::of_file(FileLight::load(library, species, &file::bases_for(suns, has_sky)?)?))
+        Ok(SpeciesLight::of_file(FileLight::load(library, species, &bases_for(suns, has_sky)?)?))
     }
 
     fn of_file(file: FileLight) -> SpeciesLight<'static> {

@@ -131,11 +131,6 @@ impl PhysicalSampler {
         self.sites.prepare(self.suns(), near, terms, rays)
     }
 
-    /// A sun of a species without near beams: nothing but its terms.
-    pub(crate) fn prepared_blend(&self, terms: SunTerms) -> PreparedSun {
-        PreparedSun { terms, near: Vec::new() }
-    }
-
     /// Fluence per band at a point of model space: `sun` times the light of the prepared sun (scattered or total,
     /// [`PhysicalSampler::field`]) plus `sky` times that of the even sky, never below 0. Points outside the lattice
     /// take the value of the nearest point of it.

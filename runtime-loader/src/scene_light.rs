@@ -28,10 +28,14 @@ mod volume;
 use std::sync::Arc;
 
 use flb_format::FormatError;
-use flb_format::beam::Near;
+use flb_format::beam::{BEAM_RAYS, MAX_MEANS, Near};
+use flb_format::light::FieldKind;
+pub use flb_format::scene_light::SceneFactor;
 use flb_format::scene_light::{GROUND_DENSITY, PLANT, Role};
 
-use crate::physical::PhysicalSampler;
+use crate::entry::known_species;
+use crate::file_light::FileLight;
+use crate::sun_terms::SunTerms;
 use crate::{Library, RuntimeError};
 pub use at_sun::{Modulation, Modulations, SceneLightAtSun, TILTS, TURNS};
 use volume::Volume;
@@ -39,13 +43,18 @@ use volume::Volume;
 /// Light of a whole scene and of its species alone, in luminance.
 pub struct SceneLight {
     digest: String,
+    factor: SceneFactor,
     scene: Coarse,
     alone: Vec<(String, Coarse)>,
 }
 
 /// An entry of the library.
 struct Coarse {
-    sampler: PhysicalSampler,
+    light: FileLight,
+    /// Whether the fields lack the sun's beam, which is added where the light is compared with an empty scene's.
+    is_scattered: bool,
+    /// Light of a sky of strength 1 where nothing stands.
+    open_sky: f32,
     /// Sites with matter, the ground's left out.
     sites: Vec<u32>,
     sky: Volume,
@@ -82,8 +91,21 @@ impl SceneLight {
             }
         }
         match scene {
-            Some((digest, scene)) => Ok(SceneLight { digest, scene, alone }),
+            Some((digest, scene)) => Ok(SceneLight { digest, factor: SceneFactor::Alone, scene, alone }),
             None => Err(no_scene_light(library, "no entry of a scene".to_owned())),
+        }
+    }
+
+    /// Returns the light, compared with something else than each plant alone.
+    ///
+    /// # Errors
+    /// [`RuntimeError::SceneFactor`] for an empty scene where the fields lack the sun's beam and cannot add it: those
+    /// of lists of suns.
+    pub fn compared_with(self, factor: SceneFactor) -> Result<SceneLight, RuntimeError> {
+        let lacks_beam = self.scene.is_scattered && self.scene.near().is_none();
+        match factor == SceneFactor::Empty && lacks_beam {
+            true => Err(RuntimeError::SceneFactor),
+            false => Ok(SceneLight { factor, ..self }),
         }
     }
 
@@ -108,7 +130,7 @@ impl SceneLight {
     /// Memory that it takes.
     pub fn size_bytes(&self) -> usize {
         let of = |coarse: &Coarse| {
-            coarse.sampler.size_bytes() + coarse.sky.size_bytes() + size_of_val(&coarse.sites[..])
+            coarse.light.light().size_bytes() + coarse.sky.size_bytes() + size_of_val(&coarse.sites[..])
         };
         of(&self.scene) + self.alone.iter().map(|(_, coarse)| of(coarse)).sum::<usize>()
     }
@@ -128,15 +150,18 @@ impl SceneLight {
 
 impl Coarse {
     fn load(library: &Library, index: usize) -> Result<Coarse, RuntimeError> {
-        let sampler = PhysicalSampler::load(library, index)?;
-        let meta = &library.container().species()[index].meta;
+        let entry = known_species(library, index)?;
+        let bases: Vec<u8> = entry.bases.iter().map(|base| base.base).collect();
+        let light = FileLight::load(library, index, &bases)?;
+        let (meta, species) = (&entry.meta, light.light());
         let name = &meta.name;
         let plant = meta.settings.get(PLANT).and_then(|digest| digest.as_str()).map(str::to_owned);
-        if sampler.bands() != 1 {
-            let found = format!("species {name:?} of {} bands, which has to have one", sampler.bands());
+        let is_scattered = meta.physical().is_some_and(|(_, light)| light.field == FieldKind::Scattered);
+        if species.bands() != 1 {
+            let found = format!("species {name:?} of {} bands, which has to have one", species.bands());
             return Err(no_scene_light(library, found));
         }
-        if !sampler.has_sky() {
+        if species.item(0).is_none() {
             let found = format!("species {name:?} without base 0, the sky's");
             return Err(no_scene_light(library, found));
         }
@@ -144,31 +169,47 @@ impl Coarse {
             library.container().read_medium(library.source(), index).map_err(|source: FormatError| {
                 RuntimeError::Format { path: library.path().to_owned(), source: Box::new(source) }
             })?;
-        let is_ground = |site: &u32| medium.density[*site as usize] == GROUND_DENSITY;
-        let sites: Vec<u32> = sampler.turbid().sites().into_iter().filter(|site| !is_ground(site)).collect();
-        let sky = Volume::of(sampler.grid(), &sites, |point| {
-            let mut light = [0.0];
-            sampler.sky(point, &mut light);
-            light[0]
+        let is_plants = |density: &f32| *density > 0.0 && *density != GROUND_DENSITY;
+        let matter = (0..).zip(&medium.density).filter(|(_, density)| is_plants(density));
+        let sites: Vec<u32> = matter.map(|(site, _)| site).collect();
+        let terms = species.terms([0.0; 3], 0.0, 1.0);
+        let sky = Volume::of(species.grid(), &sites, |point| {
+            let mut sky = [0.0];
+            species.light(&terms, Default::default(), point, &mut sky);
+            sky[0]
         });
-        Ok(Coarse { sampler, sites, sky, plant })
+        Ok(Coarse { light, is_scattered, open_sky: meta.model.open_sky(), sites, sky, plant })
     }
 
     fn near(&self) -> Option<Near<'_>> {
-        self.sampler.suns().has_near_beam().then(|| self.sampler.near())
+        let species = self.light.light();
+        let sites = species.sites().filter(|_| species.suns().has_near_beam())?;
+        Some(sites.near(species.needs_single()))
     }
 
-    /// Light of a sun in the entry's own frame.
-    fn under(&self, near: Option<&Near>, towards_sun: [f64; 3]) -> Result<Volume, RuntimeError> {
-        let terms = self.sampler.terms(towards_sun)?;
-        let prepared = match near {
-            Some(near) => self.sampler.prepare(near, terms, flb_format::beam::BEAM_RAYS),
-            None => self.sampler.prepared_blend(terms),
-        };
-        Ok(Volume::of(self.sampler.grid(), &self.sites, |point| {
+    /// Light of a sun in the entry's own frame, `with_beam` the sun's own beam where the fields lack it.
+    fn under(
+        &self,
+        near: Option<&Near>,
+        towards_sun: [f64; 3],
+        with_beam: bool,
+    ) -> Result<Volume, RuntimeError> {
+        self.light.check(Some(towards_sun), false)?;
+        let species = self.light.light();
+        let of_sun = SunTerms::of(species.suns(), towards_sun);
+        let prepared = near
+            .zip(species.sites())
+            .zip(of_sun)
+            .map(|((near, sites), of_sun)| (sites, sites.prepare(species.suns(), near, of_sun, BEAM_RAYS)));
+        let terms = species.terms_by(of_sun, 1.0, 0.0);
+        Ok(Volume::of(species.grid(), &self.sites, |point| {
+            let means = match &prepared {
+                Some((sites, sun)) => sites.near_at(sun, species.needs_single(), point),
+                None => [0.0; MAX_MEANS],
+            };
             let mut light = [0.0];
-            self.sampler.fluence(&prepared, 1.0, 0.0, point, &mut light);
-            light[0]
+            species.light(&terms, means, point, &mut light);
+            if with_beam && self.is_scattered { light[0] + means[0] } else { light[0] }
         }))
     }
 }

@@ -1,9 +1,9 @@
 //! What plants of a scene do to each other's light.
 
-use flb_format::scene_light::plant_digest;
-use flb_format::{Daylight, FormatError, Placement};
+use flb_format::scene_light::digest_of_species;
+use flb_format::{Daylight, Placement};
+use flb_runtime::RuntimeError;
 use flb_runtime::scene_light::{PreparedSceneLight, SceneLight, SceneLightAtSun};
-use flb_runtime::{Library, RuntimeError};
 use flb_scene::scene::{Scene, light_digest};
 
 use crate::mesh_of_light::short;
@@ -23,21 +23,13 @@ pub(crate) fn check(scene: &Scene, plants: &[ScenePlant], light: &SceneLight) ->
             continue;
         };
         let at_library = |error| StageError::Format(Box::new(error)).at(library.path());
-        let of_plant = digest_in(library, index).map_err(at_library)?;
-        if of_plant.as_deref() != light.plant_digest(number) {
+        let of_plant = digest_of_species(library.container(), library.source(), index).map_err(at_library)?;
+        if Some(of_plant.as_str()) != light.plant_digest(number) {
             let (species, library) = (species.name.clone(), library.path().to_owned());
             return Err(StageError::OtherPlant { species, library });
         }
     }
     Ok(())
-}
-
-/// [`plant_digest`] of a species of a library; `None` for the model paper, of which scenes have no light.
-fn digest_in(library: &Library, index: usize) -> Result<Option<String>, FormatError> {
-    let container = library.container();
-    let Some((surfaces, light)) = container.species()[index].meta.physical() else { return Ok(None) };
-    let turbid = container.read_turbid(library.source(), index)?;
-    Ok(Some(plant_digest(surfaces, light.field, &turbid)))
 }
 
 /// Scene light, where plants stand, and what it is under the sun of the last frame.

@@ -99,17 +99,23 @@ pub fn library(species: &[(&str, Option<SunBasis>)], codec: Codec) -> Library {
 
 /// Light of a scene in memory whose plants are called by these names: waves with noise as well, half as high and on
 /// sites twice as large around the origin.
-pub fn scene_light(species: &[&str], suns: &SunBasis) -> Library {
+pub fn scene_light(species: &[&str], suns: Option<&SunBasis>) -> Library {
     const AROUND: Grid = Grid { lattice: LATTICE, origin_m: [-16.0, -12.0, -16.0], spacing_m: 1.0 };
     let alone = species.iter().map(|species| Role::Alone { species: (*species).to_owned() });
     let roles = std::iter::once(Role::Scene { digest: "d1".to_owned() }).chain(alone);
     let entry = |(seed, role): (u32, Role)| {
         let (grid, factor) = if seed == 10 { (AROUND, 0.5) } else { (STANDING, 1.0) };
-        let mut entry = fields(&role.name(), Some(suns), seed, grid);
+        let mut entry = fields(&role.name(), suns, seed, grid);
         entry.meta.settings.extend([role.setting()]);
-        if let Model::Physical { surfaces, .. } = &mut entry.meta.model {
-            surfaces.bands.truncate(1);
-            surfaces.bands[0].name = LUMINANCE.to_owned();
+        match &mut entry.meta.model {
+            Model::Physical { surfaces, .. } => {
+                surfaces.bands.truncate(1);
+                surfaces.bands[0].name = LUMINANCE.to_owned();
+            }
+            Model::Paper { optics } => {
+                optics.bands.truncate(1);
+                optics.bands[0].name = LUMINANCE.to_owned();
+            }
         }
         entry.bases.iter_mut().for_each(|(_, base)| {
             *base = Field::new(base.lattice, 1, base.band(0).into_owned());

@@ -1,5 +1,6 @@
 //! What scene light is worth: stands of three and of nine built-in plants, 0.7 crown widths apart, by one fine lattice
-//! that holds all of them, and by the fine light of each plant alone, without and with scene light.
+//! that holds all of them, and by the fine light of each plant alone: without scene light, with the papers' factor (its
+//! light over that of an empty scene), and with its light over that of each plant alone. For plants of both models.
 //!
 //! ```text
 //! cargo bench -p flb-tests --bench stand -- [quick]
@@ -13,7 +14,8 @@ use std::time::Instant;
 
 use flb_fixtures::PlantKind;
 use flb_format::sun::towards_sun;
-use flb_tests::stand::{Kind, Pair, Stand, SunAndSky, day, error, light_at_sites, pairs};
+use flb_runtime::scene_light::{SceneFactor, SceneLight};
+use flb_tests::stand::{Kind, Pair, Stand, SunAndSky, day, error, pairs};
 use flb_transport::ordinates::{SunBasis, ico42};
 
 /// Azimuth and elevation: low and high.
@@ -59,18 +61,19 @@ fn cases(quick: bool) -> [Case; 2] {
 fn main() {
     let quick = std::env::args().any(|word| word == "quick");
     println!(
-        "| plants | sun | lattice | site, widths | suns | bake, s | day, without | with | sun, without | with | sky, without | with |"
+        "| model | plants | sun | lattice | site, widths | suns | bake, s | day, without | empty | alone | sun, without | empty | alone | sky, without | empty | alone |"
     );
-    println!("|---|---|---:|---:|---|---:|---|---|---|---|---|---|");
+    println!("|---|---|---|---:|---:|---|---:|---|---|---|---|---|---|---|---|---|");
     for kind in [PlantKind::Oak, PlantKind::Spruce] {
         for case in cases(quick) {
-            judge(kind, &case);
+            judge("physical", Kind::grown(kind, 20_000, 32), &case);
+            judge("paper", Kind::grown_of_paper(kind, 20_000, 32), &case);
         }
     }
 }
 
-fn judge(kind: PlantKind, case: &Case) {
-    let plant = Kind::grown(kind, 20_000, 32);
+fn judge(model: &str, plant: Kind, case: &Case) {
+    let name = plant.name.clone();
     let [low, high] = plant.extent_m();
     let width = high[0] - low[0];
     let places: Vec<(usize, usize, [f64; 2])> = case
@@ -80,33 +83,49 @@ fn judge(kind: PlantKind, case: &Case) {
         .map(|(index, place)| (0, [0, 1, 3, 2][index % 4], place.map(|c| c * APART * width)))
         .collect();
     let stand = Stand::in_step(vec![plant], &places);
+    let is_paper = stand.kinds[0].optics.is_some();
     let (merged, places) = stand.merged(case.fine);
-    let truths = SKIES.map(|[azimuth, elevation]| {
-        light_at_sites(&merged, &stand.kinds[0].surfaces, towards_sun(azimuth, elevation))
-    });
+    let truths = SKIES
+        .map(|[azimuth, elevation]| stand.kinds[0].light_at_sites(&merged, towards_sun(azimuth, elevation)));
+    let (mut last, mut row) = (None, 0);
     for (lattice, suns_name, suns) in &case.ways {
+        // The papers have suns of one kind.
+        if is_paper && last.replace(*lattice) == Some(*lattice) {
+            continue;
+        }
+        row += 1;
         let start = Instant::now();
-        let library = stand.library(*lattice, suns);
+        let library = if is_paper { stand.paper_library(*lattice) } else { stand.library(*lattice, suns) };
+        let suns_name = if is_paper { "lattice18" } else { suns_name };
         let seconds = start.elapsed().as_secs_f64();
         let site = library.container().species()[1].meta.grid.spacing_m / width;
         for ([azimuth, elevation], truth) in SKIES.into_iter().zip(&truths) {
-            let mut pairs = pairs(&stand, (&places, truth), &library, towards_sun(azimuth, elevation));
-            pairs.retain(|pair| case.only.is_none_or(|only| pair.instance == only));
-            let parts = [day as fn(SunAndSky) -> f32, |light| light[0], |light| light[1]];
-            let columns: Vec<String> = parts
-                .into_iter()
-                .flat_map(|of| {
-                    [|pair: &Pair| pair.own, |pair: &Pair| pair.whole]
-                        .map(|found| error(&pairs, |pair| of(pair.truth), |pair| of(found(pair))))
+            let towards = towards_sun(azimuth, elevation);
+            let by = |factor| {
+                let light = SceneLight::load(&library).and_then(|light| light.compared_with(factor));
+                light.is_ok().then(|| {
+                    let mut pairs = pairs(&stand, (&places, truth), (&library, factor), towards);
+                    pairs.retain(|pair| case.only.is_none_or(|only| pair.instance == only));
+                    pairs
                 })
-                .map(|[rms, bias]| format!("{:.1} ({:+.1})", 100.0 * rms, 100.0 * bias))
-                .collect();
+            };
+            let (empty, alone) = (by(SceneFactor::Empty), by(SceneFactor::Alone));
+            let alone = alone.expect("all libraries can be compared with plants alone");
+            let parts = [day as fn(SunAndSky) -> f32, |light| light[0], |light| light[1]];
+            let cell = |pairs: &[Pair], of: fn(SunAndSky) -> f32, found: fn(&Pair) -> SunAndSky| {
+                let [rms, bias] = error(pairs, |pair| of(pair.truth), |pair| of(found(pair)));
+                format!("{:.1} ({:+.1})", 100.0 * rms, 100.0 * bias)
+            };
+            let columns = parts.into_iter().flat_map(|of| {
+                let empty = empty.as_ref().map_or("-".to_owned(), |pairs| cell(pairs, of, |pair| pair.whole));
+                [cell(&alone, of, |pair| pair.own), empty, cell(&alone, of, |pair| pair.whole)]
+            });
             println!(
-                "| {} {} | {azimuth}, {elevation} | {lattice} | {site:.3} | {suns_name} | {seconds:.1} | {} |",
+                "| {model} | {} {name} | {azimuth}, {elevation} | {lattice} | {site:.3} | {suns_name} | {seconds:.1} | {} |",
                 case.name,
-                kind.name(),
-                columns.join(" | ")
+                columns.collect::<Vec<_>>().join(" | ")
             );
         }
     }
+    assert!(row > 0, "nothing was measured");
 }

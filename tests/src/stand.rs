@@ -11,8 +11,8 @@ use flb_baker::crown::LeafAngleChoice;
 use flb_baker::scene_light::{Entry, Ground, Plant, Scenery, entry, luminance};
 use flb_fixtures::PlantKind;
 use flb_format::light::{Light, LightError};
-use flb_format::matter::{BandSurfaces, TurbidMedium};
-use flb_format::scene_light::Role;
+use flb_format::matter::{BandSurfaces, Optics, TurbidMedium};
+use flb_format::scene_light::{Role, SceneFactor};
 use flb_format::sun::directions::SunDirections;
 use flb_format::{Codec, Grid, Placement, SpeciesFields, Transform};
 use flb_packer::{EncodeSettings, encode_species, write_library_to};
@@ -24,6 +24,8 @@ use flb_transport::ordinates::{self, Ordinates, OrdinatesSettings, SunBasis};
 use flb_transport::turbid::scatter;
 
 use crate::default_bake::grown;
+
+mod paper;
 
 /// Fluence of the sky, the sun's being 1: as `flb render` has it.
 pub const SKY: f32 = 0.36;
@@ -44,6 +46,8 @@ pub struct Kind {
     pub turbid: TurbidMedium,
     /// In luminance.
     pub surfaces: BandSurfaces,
+    /// Of a plant of the model `paper`, whose surfaces do not count.
+    pub optics: Option<Optics>,
 }
 
 impl Kind {
@@ -72,7 +76,8 @@ impl Kind {
         let name = fields.meta.name.clone();
         let (surfaces, _) = fields.meta.physical().expect("the default model");
         let surfaces = luminance(&name, surfaces).expect("three bands");
-        Kind { name, turbid: fields.turbid.clone().expect("the default model has one"), surfaces }
+        let turbid = fields.turbid.clone().expect("the default model has one");
+        Kind { name, turbid, surfaces, optics: None }
     }
 
     /// A ball of leaves, its lowest point the origin.
@@ -93,12 +98,25 @@ impl Kind {
             wood_per_m,
             angles: flb_format::matter::LeafAngles::spherical(),
         };
-        let surfaces = luminance(name, &knapp_carter()).expect("three bands");
-        Kind { name: name.to_owned(), turbid, surfaces }
+        Kind { name: name.to_owned(), ..Kind::of_turbid(turbid) }
+    }
+
+    /// A plant of no name, its leaves those of Knapp and Carter.
+    fn of_turbid(turbid: TurbidMedium) -> Kind {
+        let surfaces = luminance("", &knapp_carter()).expect("three bands");
+        Kind { name: String::new(), turbid, surfaces, optics: None }
+    }
+
+    /// Light at every site of a medium that scatters as the plant does, under one sun.
+    pub fn light_at_sites(&self, turbid: &TurbidMedium, sun: [f64; 3]) -> Vec<SunAndSky> {
+        match &self.optics {
+            Some(optics) => paper::light_at_sites(&self.name, turbid, optics, sun),
+            None => light_at_sites(turbid, &self.surfaces, sun),
+        }
     }
 
     fn as_plant(&self) -> Plant<'_> {
-        Plant { name: &self.name, turbid: &self.turbid, surfaces: self.surfaces.clone() }
+        Plant { name: &self.name, turbid: &self.turbid }
     }
 
     /// The box around its matter, metres.
@@ -185,7 +203,8 @@ impl Stand {
             code(role, &crown.turbid, &[], &kind.surfaces, &ordinates::Surroundings::NONE);
             factors.push(crown.factor);
         }
-        let stand = scenery.stand(&factors);
+        let surfaces: Vec<BandSurfaces> = self.kinds.iter().map(|kind| kind.surfaces.clone()).collect();
+        let stand = scenery.stand(&factors, &surfaces);
         let role = Role::Scene { digest: "a stand of the tests".to_owned() };
         code(role, &stand.turbid, &stand.is_ground, &stand.surfaces, &stand.surroundings());
         let mut bytes = Vec::new();
@@ -208,7 +227,21 @@ impl Stand {
         sun: [f64; 3],
         points: &[(u32, [f32; 3])],
     ) -> Result<Vec<Modulations>, RuntimeError> {
-        let light = SceneLight::load(library)?;
+        self.modulations_by(library, SceneFactor::Alone, sun, points)
+    }
+
+    /// What others do at points of instances, under a sun, by what the scene's light is compared with.
+    ///
+    /// # Errors
+    /// As [`Stand::modulations`], and of [`SceneLight::compared_with`].
+    pub fn modulations_by(
+        &self,
+        library: &Library,
+        factor: SceneFactor,
+        sun: [f64; 3],
+        points: &[(u32, [f32; 3])],
+    ) -> Result<Vec<Modulations>, RuntimeError> {
+        let light = SceneLight::load(library)?.compared_with(factor)?;
         let prepared = light.prepare(self.names());
         let shade = prepared.at_sun(Some(sun), &self.instances)?;
         Ok(points.iter().map(|&(instance, point)| shade.at(instance, point)).collect())
@@ -327,16 +360,18 @@ pub struct Pair {
 pub fn pairs(
     stand: &Stand,
     (places, truth): (&[ComparedPoint], &[SunAndSky]),
-    library: &Library,
+    library: (&Library, SceneFactor),
     sun: [f64; 3],
 ) -> Vec<Pair> {
     let of_instance = |one: &Placement| {
         let towards = one.transform.model_from_world_direction(sun);
-        light_at_sites(&stand.kinds[one.species].turbid, &stand.kinds[one.species].surfaces, towards)
+        let kind = &stand.kinds[one.species];
+        kind.light_at_sites(&kind.turbid, towards)
     };
     let alone: Vec<Vec<SunAndSky>> = stand.instances.iter().map(of_instance).collect();
     let points: Vec<(u32, [f32; 3])> = places.iter().map(|place| (place.instance, place.point_m)).collect();
-    let modulations = stand.modulations(library, sun, &points).expect("a sun");
+    let (library, factor) = library;
+    let modulations = stand.modulations_by(library, factor, sun, &points).expect("a sun");
     places
         .iter()
         .zip(modulations)

@@ -47,7 +47,7 @@ pub(super) fn bake(
         .with("medium", hex(digest(work.store, &medium)?))
         .with("optics", json!(optics))
         .with_all(of_lattice(&solve, gpu.as_deref()));
-    let (bases, converged) = fields(work, &medium, &optics, &solve, &key)?;
+    let Light { bases, converged, .. } = light(work, &medium, &optics, &solve, &key)?;
     meta.record(&provenance::CONVERGED, converged);
     let weighed = |(site, density): (u32, &f32)| (*density > 0.0).then_some((site, f64::from(*density)));
     let matter: Vec<_> = (0..).zip(&medium.density).filter_map(weighed).collect();
@@ -73,14 +73,24 @@ pub fn solver_name(solver: SolverKind) -> &'static str {
     }
 }
 
-/// Solve, or what an earlier bake kept of it. Only converged fields are kept. The flag: whether all converged.
-fn fields(
+/// Solved fields of a medium.
+pub(super) struct Light {
+    /// Base and field.
+    pub bases: Vec<(u8, Field)>,
+    /// Whether all of them converged.
+    pub converged: bool,
+    /// Whether the store had them.
+    pub cached: bool,
+}
+
+/// Solve, or what an earlier bake kept of it. Only converged fields are kept.
+pub(super) fn light(
     work: &Work,
     medium: &Medium,
     optics: &Optics,
     settings: &SolveSettings,
     key: &Key,
-) -> Result<(Vec<(u8, Field)>, bool), BakeError> {
+) -> Result<Light, BakeError> {
     let key_of = |base: u8| Key::new("field").with("light", key.digest().into()).with("item", base.into());
     let (bases, report) = work.run(Step::Solve, |progress| {
         let read = |base: u8| store::read::<BaseArtefact>(work.store, &key_of(base), |_| Ok(()));
@@ -99,9 +109,9 @@ fn fields(
         }
         Ok((solution.bases, summary(work.species, settings.solver, &solution.reports)))
     })?;
-    let converged = report.converged == report.solves;
+    let (converged, cached) = (report.converged == report.solves, report.cached);
     work.hear(Event::Solved(report));
-    Ok((bases, converged))
+    Ok(Light { bases, converged, cached })
 }
 
 fn tell_open(work: &Work, reports: &[BaseReport], settings: &SolveSettings) {

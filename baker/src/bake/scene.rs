@@ -2,9 +2,9 @@
 
 use flb_format::bases::BaseSet;
 use flb_format::light::{FieldKind, Light, SunBasis};
-use flb_format::matter::{BandSurfaces, Surfaces, TurbidMedium};
-use flb_format::scene_light::{PLANT, Role, plant_digest};
-use flb_format::{Placement, SpeciesFields, provenance};
+use flb_format::matter::{BandOptics, BandSurfaces, Optics, Surfaces, TurbidMedium};
+use flb_format::scene_light::{PLANT, Role, paper_plant_digest, plant_digest};
+use flb_format::{Medium, Placement, SpeciesFields, provenance};
 use flb_scene::Step;
 use flb_scene::scene::{Scene, SceneSpecies, light_digest};
 use flb_transport::ordinates::{Backend, Ordinates, OrdinatesSettings, OrdinatesSolution, rays_for};
@@ -18,17 +18,20 @@ use super::store::{self, Store};
 use super::{BakeError, Work};
 use crate::crown::Crown;
 use crate::scene_light::{
-    Entry, Ground, Plant, SceneLightError, Scenery, Stand, entry, luminance, stand_digest,
+    Entry, Ground, Plant, SceneLightError, Scenery, Stand, entry, extinction, luminance, mean_optics,
+    optics_in_luminance, stand_digest,
 };
+
+mod lattice;
 
 /// Settings of the bake of a scene's light. The default is that of `flb bake-scene`.
 #[derive(Debug, Clone, PartialEq)]
 pub struct SceneSettings {
     /// Sites along each edge of the lattice over the scene: a power of two, 16 to 256.
     pub lattice: u32,
-    /// Dependence of the fields on the sun.
+    /// Dependence of the fields on the sun. Plants of the model `paper` have their own.
     pub suns: SunBasis,
-    /// Directions that light is marched along.
+    /// Directions that light is marched along. Plants of the model `paper` have their own.
     pub ordinates: Ordinates,
     /// Estimated relative L2 error at which a solve has converged, between 0 and 1.
     pub tolerance: f64,
@@ -49,7 +52,15 @@ impl Default for SceneSettings {
 }
 
 impl SceneSettings {
-    /// The solve on a lattice, of fields that hold this.
+    /// Fields of an entry.
+    pub fn items(&self, transport: SceneTransport) -> usize {
+        match transport {
+            SceneTransport::Ordinates(field) => self.solve(self.lattice, field).items().len(),
+            SceneTransport::Lattice => BaseSet::ALL.len(),
+        }
+    }
+
+    /// The solve by ordinates on a lattice, of fields that hold this.
     pub fn solve(&self, lattice: u32, field: FieldKind) -> OrdinatesSettings {
         OrdinatesSettings {
             ordinates: self.ordinates,
@@ -70,11 +81,27 @@ impl SceneSettings {
 pub struct ScenePlant {
     name: String,
     turbid: TurbidMedium,
-    /// In luminance.
-    surfaces: BandSurfaces,
-    field: FieldKind,
-    /// [`plant_digest`] of the medium and the surfaces in all bands.
+    scatters: Scatters,
+    /// Digest of the medium and what it scatters in all bands.
     digest: String,
+}
+
+/// What a plant does to light, in luminance.
+#[derive(Debug, Clone)]
+enum Scatters {
+    /// As surfaces do, with fields of a kind.
+    Surfaces(BandSurfaces, FieldKind),
+    /// By collisions on a lattice, as the papers have it.
+    Collisions(BandOptics),
+}
+
+/// How light is carried through a scene: all of its species are of one model.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum SceneTransport {
+    /// By ordinates, into fields of a kind (model `physical`).
+    Ordinates(FieldKind),
+    /// By the papers' lattice (model `paper`).
+    Lattice,
 }
 
 impl ScenePlant {
@@ -89,8 +116,18 @@ impl ScenePlant {
         field: FieldKind,
     ) -> Result<ScenePlant, SceneLightError> {
         let digest = plant_digest(surfaces, field, &turbid);
-        let surfaces = luminance(name, surfaces)?;
-        Ok(ScenePlant { name: name.to_owned(), turbid, surfaces, field, digest })
+        let scatters = Scatters::Surfaces(luminance(name, surfaces)?, field);
+        Ok(ScenePlant { name: name.to_owned(), turbid, scatters, digest })
+    }
+
+    /// Makes a species from a library of the model `paper`: its medium and its optics.
+    ///
+    /// # Errors
+    /// [`SceneLightError::Bands`] unless red, green and blue are among the bands of the optics.
+    pub fn of_paper(name: &str, medium: &Medium, optics: &Optics) -> Result<ScenePlant, SceneLightError> {
+        let digest = paper_plant_digest(optics, medium);
+        let scatters = Scatters::Collisions(optics_in_luminance(name, optics)?);
+        Ok(ScenePlant { name: name.to_owned(), turbid: extinction(medium), scatters, digest })
     }
 
     /// Name of the species in the scene.
@@ -99,7 +136,28 @@ impl ScenePlant {
     }
 
     fn as_plant(&self) -> Plant<'_> {
-        Plant { name: &self.name, turbid: &self.turbid, surfaces: self.surfaces.clone() }
+        Plant { name: &self.name, turbid: &self.turbid }
+    }
+
+    fn transport(&self) -> SceneTransport {
+        match self.scatters {
+            Scatters::Surfaces(_, field) => SceneTransport::Ordinates(field),
+            Scatters::Collisions(_) => SceneTransport::Lattice,
+        }
+    }
+
+    fn surfaces(&self) -> Option<&BandSurfaces> {
+        match &self.scatters {
+            Scatters::Surfaces(surfaces, _) => Some(surfaces),
+            Scatters::Collisions(_) => None,
+        }
+    }
+
+    fn optics(&self) -> Option<&BandOptics> {
+        match &self.scatters {
+            Scatters::Surfaces(..) => None,
+            Scatters::Collisions(optics) => Some(optics),
+        }
     }
 }
 
@@ -141,19 +199,29 @@ impl PlantedScene {
         Ok(PlantedScene { plants, instances, ground, digest })
     }
 
-    /// Content of the fields of all species of the scene; [`FieldKind::Scattered`] without any.
+    /// How light is carried among all species of the scene; by ordinates without any.
     ///
     /// # Errors
-    /// [`SceneLightError::Fields`] where they differ.
-    pub fn field(&self) -> Result<FieldKind, SceneLightError> {
-        let Some(first) = self.plants.first() else { return Ok(FieldKind::Scattered) };
-        match self.plants.iter().find(|one| one.field != first.field) {
-            None => Ok(first.field),
-            Some(other) => Err(SceneLightError::Fields {
-                first: (first.name.clone(), first.field),
-                other: (other.name.clone(), other.field),
-            }),
-        }
+    /// [`SceneLightError::Fields`] where the content of their fields differs, [`SceneLightError::Models`] where their
+    /// models do.
+    pub fn transport(&self) -> Result<SceneTransport, SceneLightError> {
+        use SceneTransport::{Lattice, Ordinates};
+        let Some(first) = self.plants.first() else { return Ok(Ordinates(FieldKind::Scattered)) };
+        let all = first.transport();
+        let Some(other) = self.plants.iter().find(|one| one.transport() != all) else { return Ok(all) };
+        let [first_name, other_name] = [first, other].map(|one| one.name.clone());
+        Err(match (all, other.transport()) {
+            (Ordinates(field), Ordinates(others)) => {
+                SceneLightError::Fields { first: (first_name, field), other: (other_name, others) }
+            }
+            (Lattice, _) => SceneLightError::Models { paper: first_name, physical: other_name },
+            (_, Lattice) => SceneLightError::Models { paper: other_name, physical: first_name },
+        })
+    }
+
+    /// Whether the light of the scene has its ground: that of the model `paper` knows plants alone.
+    pub fn is_ground_left_out(&self) -> bool {
+        self.ground.is_some() && self.transport().is_ok_and(|all| all == SceneTransport::Lattice)
     }
 }
 
@@ -166,8 +234,9 @@ pub struct BakedScene {
     pub stand: SpeciesFields,
     /// Sites of that lattice that are ground.
     pub ground_sites: usize,
-    /// Largest root mean square error of a fit over the suns that were held out, of the mean total fluence.
-    pub suns_rms: f64,
+    /// Largest root mean square error of a fit over the suns that were held out, of the mean total fluence; `None` of
+    /// the model `paper`, which fits none.
+    pub suns_rms: Option<f64>,
     /// Whether every solve met its tolerance. If not, the fields are what it had by then.
     pub converged: bool,
 }
@@ -186,6 +255,9 @@ pub struct BakedAlone {
     pub fields: SpeciesFields,
     /// Factor on the extinction of the species, so that it is as open as its fine medium.
     pub factor: f64,
+    /// Edge of a site, in widths of the crown: the longer of its extents along x and z. Sites of a tenth of a width are
+    /// fine enough; within a site nothing is known of what neighbours do.
+    pub site_widths: f64,
     /// Whether the store had the species' light.
     pub cached: bool,
 }
@@ -196,8 +268,9 @@ pub struct BakedAlone {
 /// same fields, whatever the number of threads and whatever the store held.
 ///
 /// # Errors
-/// [`BakeError::Scene`] for a scene that fits no lattice, without instances, or with a species without matter or with
-/// fields of another kind; settings out of range; metadata that no store can hold; [`BakeError::Cancelled`].
+/// [`BakeError::Scene`] for a scene that fits no lattice, without instances, or with a species without matter, with
+/// fields of another kind or of the other model; settings out of range; metadata that no store can hold;
+/// [`BakeError::Cancelled`].
 ///
 /// # Examples
 /// ```
@@ -236,32 +309,54 @@ pub fn bake_scene(
     store: &dyn Store,
     observer: &dyn BakeObserver,
 ) -> Result<BakedScene, BakeError> {
-    let field = scene.field()?;
-    let mut baking = Baking { settings, field, store, observer, suns_rms: 0.0, converged: true };
+    let transport = scene.transport()?;
+    let mut baking = Baking { settings, store, observer, suns_rms: None, converged: true };
     let plants: Vec<Plant> = scene.plants.iter().map(ScenePlant::as_plant).collect();
-    let (instances, ground) = (&scene.instances, scene.ground.as_ref());
-    let scenery = baking.merge("", || Ok(Scenery::new(&plants, instances, ground, settings.lattice)?))?;
+    let ground = scene.ground.as_ref().filter(|_| transport != SceneTransport::Lattice);
+    let scenery =
+        baking.merge("", || Ok(Scenery::new(&plants, &scene.instances, ground, settings.lattice)?))?;
     let mut species = Vec::new();
-    for (index, (plant, of)) in plants.iter().zip(&scene.plants).enumerate() {
-        let crown = baking.merge(plant.name, || Ok(scenery.alone(index)?))?;
-        species.push(baking.alone(plant, &crown, &of.digest)?);
+    for (index, plant) in scene.plants.iter().enumerate() {
+        let crown = baking.merge(&plant.name, || Ok(scenery.alone(index)?))?;
+        let (fields, cached) = baking.alone(plant, &crown)?;
+        let site_widths = crown.turbid.grid.spacing_m / width_m(&plant.turbid);
+        species.push(BakedAlone { fields, factor: crown.factor, site_widths, cached });
     }
     let factors: Vec<f64> = species.iter().map(|alone| alone.factor).collect();
-    let stand = baking.merge("", || Ok(scenery.stand(&factors)))?;
-    let ground_sites = stand.is_ground.iter().filter(|is_ground| **is_ground).count();
-    let stand = baking.stand(&stand, &scene.digest)?;
+    let surfaces: Option<Vec<BandSurfaces>> =
+        scene.plants.iter().map(|plant| plant.surfaces().cloned()).collect();
+    let (stand, ground_sites) = match surfaces {
+        Some(surfaces) => {
+            let stand = baking.merge("", || Ok(scenery.stand(&factors, &surfaces)))?;
+            let ground_sites = stand.is_ground.iter().filter(|is_ground| **is_ground).count();
+            (baking.stand(&stand, transport, &scene.digest)?, ground_sites)
+        }
+        None => {
+            let turbid = baking.merge("", || Ok(scenery.matter(&factors)))?;
+            let optics: Vec<BandOptics> =
+                scene.plants.iter().filter_map(ScenePlant::optics).cloned().collect();
+            let optics = mean_optics(&optics, &scenery.areas_m2(&factors));
+            let role = Role::Scene { digest: scene.digest.clone() };
+            (baking.solve_lattice(&role, &turbid, optics, &[])?.0, 0)
+        }
+    };
     let Baking { suns_rms, converged, .. } = baking;
     Ok(BakedScene { species, stand, ground_sites, suns_rms, converged })
+}
+
+/// Width of a plant's matter, metres.
+fn width_m(turbid: &TurbidMedium) -> f64 {
+    let [low, high] = turbid.grid.extent_m(&turbid.sites()).unwrap_or([[0.0; 3]; 2]);
+    (high[0] - low[0]).max(high[2] - low[2])
 }
 
 /// A bake on its way.
 struct Baking<'a> {
     settings: &'a SceneSettings,
-    field: FieldKind,
     store: &'a dyn Store,
     observer: &'a dyn BakeObserver,
     /// The largest.
-    suns_rms: f64,
+    suns_rms: Option<f64>,
     /// Whether all did.
     converged: bool,
 }
@@ -275,16 +370,30 @@ impl Baking<'_> {
         self.work(name).run(Step::Merge, |_| work())
     }
 
-    fn alone(&mut self, plant: &Plant, crown: &Crown, digest: &str) -> Result<BakedAlone, BakeError> {
-        let role = Role::Alone { species: plant.name.to_owned() };
-        let digest_of_crown = store::digest(self.store, crown)?;
-        let source = LightSource { turbid: &crown.turbid, digest: digest_of_crown, surroundings: None };
-        let said = [("scene.factor", json!(crown.factor)), (PLANT, json!(digest))];
-        let (fields, cached) = self.solve(&role, &source, &plant.surfaces, &[], &said)?;
-        Ok(BakedAlone { fields, factor: crown.factor, cached })
+    /// The fields of a species alone, and whether the store had them.
+    fn alone(&mut self, plant: &ScenePlant, crown: &Crown) -> Result<(SpeciesFields, bool), BakeError> {
+        let role = Role::Alone { species: plant.name.clone() };
+        let said = [("scene.factor", json!(crown.factor)), (PLANT, json!(plant.digest))];
+        match &plant.scatters {
+            Scatters::Collisions(optics) => self.solve_lattice(&role, &crown.turbid, optics.clone(), &said),
+            Scatters::Surfaces(surfaces, field) => {
+                let digest = store::digest(self.store, crown)?;
+                let source = LightSource { turbid: &crown.turbid, digest, surroundings: None };
+                self.solve(&role, &source, surfaces, *field, &[], &said)
+            }
+        }
     }
 
-    fn stand(&mut self, stand: &Stand, digest: &str) -> Result<SpeciesFields, BakeError> {
+    fn stand(
+        &mut self,
+        stand: &Stand,
+        transport: SceneTransport,
+        digest: &str,
+    ) -> Result<SpeciesFields, BakeError> {
+        let field = match transport {
+            SceneTransport::Ordinates(field) => field,
+            SceneTransport::Lattice => FieldKind::Total,
+        };
         let role = Role::Scene { digest: digest.to_owned() };
         let source = LightSource {
             turbid: &stand.turbid,
@@ -292,7 +401,7 @@ impl Baking<'_> {
             surroundings: Some(stand.surroundings()),
         };
         let said = [("scene.below", json!(f64::from(stand.below)))];
-        Ok(self.solve(&role, &source, &stand.surfaces, &stand.is_ground, &said)?.0)
+        Ok(self.solve(&role, &source, &stand.surfaces, field, &stand.is_ground, &said)?.0)
     }
 
     /// The fields of a medium in a role, with what is `said` of it in the file; and whether the store had them.
@@ -301,15 +410,17 @@ impl Baking<'_> {
         role: &Role,
         source: &LightSource,
         surfaces: &BandSurfaces,
+        field: FieldKind,
         is_ground: &[bool],
         said: &[(&str, Value)],
     ) -> Result<(SpeciesFields, bool), BakeError> {
-        let settings = self.settings.solve(source.turbid.grid.lattice, self.field);
+        let settings = self.settings.solve(source.turbid.grid.lattice, field);
         let name = role.name();
         let work = self.work(&name);
         let (solution, cached) = light::solve(&work, source, &[scatter(surfaces)], &settings)?;
         self.converged &= converged(&solution);
-        self.suns_rms = self.suns_rms.max(error_of(&solution).suns_rms);
+        let suns_rms = error_of(&solution).suns_rms;
+        self.suns_rms = Some(self.suns_rms.map_or(suns_rms, |largest| largest.max(suns_rms)));
         let solve = said_of_solve(&solution, &settings);
         let said = said.iter().chain(&solve).map(|(key, value)| ((*key).to_owned(), value.clone()));
         let light = Light { error: error_of(&solution), ..unsolved_light(&settings) };

@@ -1,7 +1,7 @@
 //! What a library says of a scene's lattice, or of a species alone: metadata and medium of an entry.
 
 use flb_format::light::Light;
-use flb_format::matter::{BandSurfaces, Class, Surfaces, TurbidMedium};
+use flb_format::matter::{BandOptics, BandSurfaces, Class, Optics, Surfaces, TurbidMedium};
 use flb_format::meta::{Bounds, TriangleCounts};
 use flb_format::model::Model;
 use flb_format::scene_light::{GROUND_DENSITY, Role};
@@ -29,11 +29,31 @@ pub fn entry(
     light: Light,
     settings: impl IntoIterator<Item = (String, Value)>,
 ) -> Entry {
-    let medium = medium(turbid, is_ground);
     let model = Model::Physical {
         surfaces: Surfaces { bands: vec![surfaces] },
         light: Light { leaf_angles: turbid.angles.clone(), ..light },
     };
+    of_model(role, turbid, medium(turbid, is_ground), model, settings)
+}
+
+/// The entry of a medium of the model `paper` in a role, of which `turbid` is the extinction.
+pub fn paper_entry(
+    role: &Role,
+    turbid: &TurbidMedium,
+    optics: BandOptics,
+    settings: impl IntoIterator<Item = (String, Value)>,
+) -> Entry {
+    let model = Model::Paper { optics: Optics { bands: vec![optics] } };
+    of_model(role, turbid, medium(turbid, &[]), model, settings)
+}
+
+fn of_model(
+    role: &Role,
+    turbid: &TurbidMedium,
+    medium: Medium,
+    model: Model,
+    settings: impl IntoIterator<Item = (String, Value)>,
+) -> Entry {
     let meta = SpeciesMeta {
         name: role.name(),
         model,
@@ -52,7 +72,7 @@ pub fn entry(
     Entry { meta, medium }
 }
 
-fn medium(turbid: &TurbidMedium, is_ground: &[bool]) -> Medium {
+pub(super) fn medium(turbid: &TurbidMedium, is_ground: &[bool]) -> Medium {
     let mut medium = Medium::empty(turbid.grid);
     for site in turbid.sites() {
         let site = site as usize;

@@ -46,6 +46,16 @@ pub enum SceneLightError {
         /// Name of another species, and what its fields hold.
         other: (String, FieldKind),
     },
+    /// Species of both models, whose light is carried in other ways.
+    #[error(
+        "species {paper:?} is of the model paper, species {physical:?} of physical: expected one model in all of a scene's light"
+    )]
+    Models {
+        /// Name of a species of the model `paper`.
+        paper: String,
+        /// Name of a species of `physical`.
+        physical: String,
+    },
     /// A lattice that no file holds.
     #[error("a lattice of {found} sites, expected a power of two from 16 to 256")]
     Lattice {

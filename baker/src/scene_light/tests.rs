@@ -4,6 +4,7 @@
 use std::path::PathBuf;
 
 use flb_format::bases::BaseSet;
+use flb_format::matter::Class;
 use flb_format::{Placement, Transform};
 
 use super::*;
@@ -43,8 +44,12 @@ fn ball(lattice: u32, radius_m: f64, per_m: f32) -> TurbidMedium {
     TurbidMedium { grid, leaf_per_m, wood_per_m, angles: LeafAngles::spherical() }
 }
 
-fn plant<'a>(turbid: &'a TurbidMedium, [reflectance, transmittance, wood]: [f64; 3]) -> Plant<'a> {
-    Plant { name: "ball", turbid, surfaces: band(reflectance, transmittance, wood) }
+fn plant(turbid: &TurbidMedium) -> Plant<'_> {
+    Plant { name: "ball", turbid }
+}
+
+fn surfaces([reflectance, transmittance, wood]: [f64; 3]) -> BandSurfaces {
+    band(reflectance, transmittance, wood)
 }
 
 fn plain(share: f64) -> Ground {
@@ -74,7 +79,7 @@ fn assert_near(found: f64, expected: f64, tolerance: f64) {
 fn area_is_kept_and_grows_with_the_square_of_the_scale() {
     let turbid = ball(32, 2.0, 0.7);
     let own = areas(&turbid, &[]);
-    let plants = [plant(&turbid, [0.1; 3])];
+    let plants = [plant(&turbid)];
     let turned = Placement {
         species: 0,
         transform: Transform { rotation: TILTED, ..instance([3.21, 0.43, -1.7], 1.3).transform },
@@ -87,7 +92,7 @@ fn area_is_kept_and_grows_with_the_square_of_the_scale() {
         // As coarse as sites can be, and finer than the plant's own.
         for (lattice, ground) in [(16, None), (128, None), (32, Some(plain(0.2)))] {
             let scenery = Scenery::new(&plants, &instances, ground.as_ref(), lattice).expect("a scene");
-            let stand = scenery.stand(&[1.0]);
+            let stand = scenery.stand(&[1.0], &[surfaces([0.1; 3])]);
             for (found, own) in areas(&stand.turbid, &stand.is_ground).into_iter().zip(own) {
                 assert_near(found, own * larger, ROUNDING);
             }
@@ -98,12 +103,13 @@ fn area_is_kept_and_grows_with_the_square_of_the_scale() {
 #[test]
 fn instances_in_another_order_make_the_same_stand() {
     let turbid = ball(16, 1.0, 0.7);
-    let plants = [plant(&turbid, [0.1; 3])];
+    let plants = [plant(&turbid)];
     let mut instances: Vec<Placement> = (0..9)
         .map(|i| instance([f64::from(i) * 0.7, 0.0, f64::from(i * i % 5)], 1.0 + 0.1 * f64::from(i)))
         .collect();
-    let stand =
-        |instances: &[Placement]| Scenery::new(&plants, instances, None, 32).expect("a scene").stand(&[1.0]);
+    let stand = |instances: &[Placement]| {
+        Scenery::new(&plants, instances, None, 32).expect("a scene").stand(&[1.0], &[surfaces([0.1; 3])])
+    };
     let one = stand(&instances);
     instances.reverse();
     let other = stand(&instances);
@@ -116,14 +122,14 @@ fn instances_in_another_order_make_the_same_stand() {
 #[test]
 fn a_scene_twice_as_large_has_sites_of_the_same_depth() {
     let turbid = ball(16, 1.0, 0.7);
-    let plants = [plant(&turbid, [0.1; 3])];
+    let plants = [plant(&turbid)];
     let ground = plain(0.2);
     let at = |times: f64| {
         let places = [[0.0, 0.0, 0.0], [2.5, 0.5, 1.0]];
         let instances = places.map(|place| instance(place.map(|c| c * times), times));
         let scenery = Scenery::new(&plants, &instances, Some(&ground), 32).expect("a scene");
         let alone = scenery.alone(0).expect("a plant");
-        let stand = scenery.stand(&[alone.factor]);
+        let stand = scenery.stand(&[alone.factor], &[surfaces([0.1; 3])]);
         (stand, alone)
     };
     let ((one, alone), (two, alone_of_two)) = (at(1.0), at(2.0));
@@ -138,9 +144,10 @@ fn a_scene_twice_as_large_has_sites_of_the_same_depth() {
 #[test]
 fn mirrored_places_make_mirrored_matter() {
     let turbid = ball(16, 1.0, 0.7);
-    let plants = [plant(&turbid, [0.1; 3])];
+    let plants = [plant(&turbid)];
     let instances = [instance([-2.0, 0.0, 0.0], 1.0), instance([2.0, 0.0, 0.0], 1.0)];
-    let stand = Scenery::new(&plants, &instances, None, 32).expect("a scene").stand(&[1.0]);
+    let stand =
+        Scenery::new(&plants, &instances, None, 32).expect("a scene").stand(&[1.0], &[surfaces([0.1; 3])]);
     let n = stand.turbid.grid.lattice;
     for site in 0..stand.turbid.grid.sites() as u32 {
         let [x, y, z] = stand.turbid.grid.site(site as usize);
@@ -159,7 +166,7 @@ fn a_coarse_crown_is_as_open_as_the_fine_one_and_no_matter_is_made() {
     gappy.wood_per_m.fill(0.0);
     let instances = [instance([-15.0, 0.0, 0.0], 1.0), instance([15.0, 0.0, 0.0], 1.0)];
     let alone = |turbid: &TurbidMedium, lattice: u32| {
-        let plants = [plant(turbid, [0.1; 3])];
+        let plants = [plant(turbid)];
         Scenery::new(&plants, &instances, None, lattice).expect("a scene").alone(0).expect("a plant")
     };
     let crown = alone(&gappy, 64);
@@ -175,11 +182,11 @@ fn a_coarse_crown_is_as_open_as_the_fine_one_and_no_matter_is_made() {
 #[test]
 fn matter_below_the_ground_comes_to_lie_on_it() {
     let turbid = ball(16, 1.0, 0.7);
-    let plants = [plant(&turbid, [0.1, 0.1, 0.3])];
+    let plants = [plant(&turbid)];
     let ground = plain(0.3);
     let instances = [instance([0.0, -0.8, 0.0], 1.0), instance([6.0, 0.0, 3.0], 1.0)];
     let scenery = Scenery::new(&plants, &instances, Some(&ground), 32).expect("a scene");
-    let stand = scenery.stand(&[1.0]);
+    let stand = scenery.stand(&[1.0], &[surfaces([0.1, 0.1, 0.3])]);
     let level = scenery.grid().lattice_from_model([0.0; 3])[1];
     assert!((level - level.round()).abs() < 1e-9, "the plane lies between sites: {level}");
     for (site, is_ground) in stand.is_ground.iter().enumerate() {
@@ -195,10 +202,12 @@ fn matter_below_the_ground_comes_to_lie_on_it() {
 #[test]
 fn sites_of_two_species_scatter_as_the_mean_of_both_by_area() {
     let (turbid, denser) = (ball(16, 1.0, 0.5), ball(16, 1.0, 1.5));
-    let plants = [plant(&turbid, [0.1, 0.1, 0.0]), plant(&denser, [0.3, 0.3, 0.0])];
+    let plants = [plant(&turbid), plant(&denser)];
     let other = Placement { species: 1, transform: instance([0.0; 3], 1.0).transform };
     let instances = [instance([0.0; 3], 1.0), other];
-    let stand = Scenery::new(&plants, &instances, None, 16).expect("a scene").stand(&[1.0; 2]);
+    let stand = Scenery::new(&plants, &instances, None, 16)
+        .expect("a scene")
+        .stand(&[1.0; 2], &[surfaces([0.1, 0.1, 0.0]), surfaces([0.3, 0.3, 0.0])]);
     // A quarter is of albedo 0.2, three of 0.6.
     assert!(stand.albedos.iter().all(|albedo| (albedo[0] - 0.5).abs() < 1e-5), "{:?}", stand.albedos[0]);
     let leaf = stand.surfaces.leaf;
@@ -213,13 +222,13 @@ const OFF_UNDER_SKY: f64 = 0.45;
 fn ground_throws_back_about_what_its_reflectance_says() {
     // Balls that are all but nothing hear what comes from the ground.
     let turbid = ball(16, 1.0, 1e-6);
-    let plants = [plant(&turbid, [0.0; 3])];
+    let plants = [plant(&turbid)];
     for share in [0.05, 0.22, 0.4] {
         let ground = plain(share);
         let instances =
             [[-8.0, 0.0, -8.0], [8.0, 0.0, 8.0], [0.0; 3]].map(|position_m| instance(position_m, 1.0));
         let scenery = Scenery::new(&plants, &instances, Some(&ground), 32).expect("a scene");
-        let stand = scenery.stand(&[1.0]);
+        let stand = scenery.stand(&[1.0], &[surfaces([0.0; 3])]);
         let settings = OrdinatesSettings {
             ordinates: Ordinates::Lebedev50,
             rays: 2,
@@ -245,7 +254,7 @@ fn ground_throws_back_about_what_its_reflectance_says() {
 #[test]
 fn what_makes_no_scene_is_refused_by_name() {
     let turbid = ball(16, 1.0, 0.5);
-    let plants = [plant(&turbid, [0.1; 3])];
+    let plants = [plant(&turbid)];
     let one = [instance([0.0; 3], 1.0)];
     let refused = |plants: &[Plant], instances: &[Placement], lattice| {
         Scenery::new(plants, instances, None, lattice).unwrap_err().to_string()
@@ -257,11 +266,11 @@ fn what_makes_no_scene_is_refused_by_name() {
     assert_eq!(refused(&plants, &stranger, 32), "instance 1 is of species 3, expected one of 0 to 0");
     let nothing = ball(16, 1.0, 0.0);
     let expected = "species \"ball\" holds no matter, expected extinction above 0 in some site";
-    assert_eq!(refused(&[plant(&nothing, [0.1; 3])], &one, 32), expected);
+    assert_eq!(refused(&[plant(&nothing)], &one, 32), expected);
     // A pole that lies aslant is longer than the box around it.
     let mut pole = ball(16, 1.0, 0.0);
     (2..14).for_each(|y| pole.wood_per_m[pole.grid.index(8, y, 8)] = 1.0);
-    let plants = [plant(&pole, [0.1; 3])];
+    let plants = [plant(&pole)];
     let aslant = [Placement { transform: Transform { rotation: TILTED, ..one[0].transform }, ..one[0] }];
     let error = Scenery::new(&plants, &aslant, None, 256).expect("a scene").alone(0).unwrap_err().to_string();
     let [start, end] =
@@ -284,6 +293,77 @@ fn what_makes_no_scene_is_refused_by_name() {
     let map = HeightMap { file, origin_m: [0.0; 3], size_m: [1.0; 2], height_m: [0.0, 1.0] };
     let ground = Ground::of(&scene::Ground { terrain: Terrain::Map(map), color: [0.2; 3] });
     assert!(ground.unwrap_err().to_string().contains("no-such-map.png"));
+}
+
+#[test]
+fn densities_of_lattice_plants_let_as_much_pass_on_sites_of_any_size() {
+    // A block of leaves beside one of wood.
+    let grid = Grid { lattice: 32, origin_m: [-4.0, 0.0, -4.0], spacing_m: 0.25 };
+    let mut fine = flb_format::Medium::empty(grid);
+    for z in 8..24 {
+        for y in 8..24 {
+            for x in 8..24 {
+                let site = grid.index(x, y, z);
+                let is_wood = x >= 16;
+                fine.density[site] = if is_wood { 0.3 } else { 0.1 };
+                fine.class[site] = if is_wood { Class::Wood } else { Class::Leaf };
+            }
+        }
+    }
+    let turbid = extinction(&fine);
+    let again = coarse_medium(&turbid);
+    assert_eq!(again.class, fine.class);
+    for (found, density) in again.density.iter().zip(&fine.density) {
+        assert!((found - density).abs() < 1e-6, "{found}, {density}");
+    }
+    // On sites four times as large, in the middle of each block.
+    let plants = [plant(&turbid)];
+    let one = [instance([0.0; 3], 1.0)];
+    let scenery = Scenery::new(&plants, &one, None, 16).expect("a scene");
+    let matter = scenery.matter(&[1.0]);
+    let large = coarse_medium(&matter);
+    let steps = matter.grid.spacing_m / grid.spacing_m;
+    for (x_m, density, class) in [(-1.0, 0.1_f64, Class::Leaf), (1.0, 0.3, Class::Wood)] {
+        let at = matter.grid.lattice_from_model([x_m, 4.0, 0.0]).map(|c| c as u32);
+        let site = matter.grid.index(at[0], at[1], at[2]);
+        let expected = 1.0 - libm::pow(1.0 - density, steps);
+        assert!(
+            (f64::from(large.density[site]) - expected).abs() < 0.01,
+            "{} {expected}",
+            large.density[site]
+        );
+        assert_eq!(large.class[site], class);
+    }
+    let [areas] = scenery.areas_m2(&[1.0])[..] else { panic!("one species") };
+    for (found, own) in areas.into_iter().zip(self::areas(&turbid, &[])) {
+        assert_near(found, own, ROUNDING);
+    }
+    // A full site stops what a file's lattice can hold, and no more.
+    fine.density[grid.index(8, 8, 8)] = 1.0;
+    assert!(extinction(&fine).leaf_per_m.iter().all(|per_m| per_m.is_finite()));
+}
+
+#[test]
+fn optics_of_a_stand_are_those_of_its_matter_by_area() {
+    let optics = flb_format::matter::Optics::paper();
+    let oak = optics_in_luminance("oak", &optics).expect("R, G, B");
+    let of = |value: fn(&flb_format::matter::BandOptics) -> f64| {
+        optics.bands.iter().zip(LUMINANCE).map(|(band, weight)| weight * value(band)).sum::<f64>()
+    };
+    assert_near(oak.leaf.sigma_a, of(|band| band.leaf.sigma_a), 1e-12);
+    assert_near(oak.leaf.g, of(|band| band.leaf.g), 1e-12);
+    assert_eq!((oak.wood.g, oak.name.as_str()), (-1.0, "luminance"));
+    let mut dark = oak.clone();
+    (dark.leaf.sigma_a, dark.wood.sigma_a) = (0.5, 0.7);
+    let both = mean_optics(&[oak.clone(), dark], &[[3.0, 0.0], [1.0, 0.0]]);
+    assert_near(both.leaf.sigma_a, 0.75 * oak.leaf.sigma_a + 0.25 * 0.5, 1e-12);
+    // Without wood there is none to weigh by.
+    assert_near(both.wood.sigma_a, f64::midpoint(oak.wood.sigma_a, 0.7), 1e-12);
+    let mut two = optics;
+    two.bands.pop();
+    let expected =
+        "species \"oak\" has the bands R, G, expected R, G and B among them, of which luminance is made";
+    assert_eq!(optics_in_luminance("oak", &two).unwrap_err().to_string(), expected);
 }
 
 #[test]

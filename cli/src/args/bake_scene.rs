@@ -12,7 +12,7 @@ use super::values::existing;
 
 #[derive(Args)]
 pub(crate) struct BakeSceneArgs {
-    /// The scene (.toml); every species that stands in it needs its `light`, baked with --model physical
+    /// The scene (.toml); every species that stands in it needs its `light`, all of one model
     #[arg(value_name = "SCENE.toml")]
     pub scene: PathBuf,
     /// The .flb file to write, for the scene's `light` or `flb render --scene-light`
@@ -22,16 +22,16 @@ pub(crate) struct BakeSceneArgs {
     /// width are fine enough, of a third too coarse
     #[arg(long, default_value_t = SceneSettings::default().lattice, value_name = "N")]
     pub lattice: u32,
-    /// How the stored light depends on the sun
-    #[arg(long, value_enum, default_value_t = NamedSuns::Sh1)]
-    pub suns: NamedSuns,
-    /// Directions that light is marched along: 18, 50 or 110
-    #[arg(long, default_value_t = SceneSettings::default().ordinates.count(), value_name = "N")]
-    pub ordinates: u32,
+    /// How the stored light depends on the sun [default: sh1; of `paper` files always lattice18]
+    #[arg(long, value_enum)]
+    pub suns: Option<NamedSuns>,
+    /// Directions that light is marched along: 18, 50 or 110 [default: 50; of `paper` files always the lattice's 18]
+    #[arg(long, value_name = "N")]
+    pub ordinates: Option<u32>,
     /// Estimated error (relative L2) at which a solve has converged
     #[arg(long, default_value_t = SceneSettings::default().tolerance, value_name = "T")]
     pub tolerance: f64,
-    /// Passes after which a solve gives up
+    /// Passes, or sweeps of the papers' lattice, after which a solve gives up
     #[arg(long, default_value_t = SceneSettings::default().max_passes, value_name = "N")]
     pub max_sweeps: u32,
     /// Folder that keeps the light of species alone: when plants move, only the scene's own is solved again
@@ -52,7 +52,9 @@ mod tests {
     use super::*;
 
     #[test]
-    fn the_suns_of_a_scene_are_the_library_s() {
-        assert!(NamedSuns::of(&SceneSettings::default().suns) == Some(NamedSuns::Sh1));
+    fn what_the_help_calls_defaults_are_the_library_s() {
+        let default = SceneSettings::default();
+        assert!(NamedSuns::of(&default.suns) == Some(NamedSuns::Sh1));
+        assert_eq!(default.ordinates.count(), 50);
     }
 }

@@ -11,7 +11,7 @@ use super::gpu_count::gpu_count;
 use super::values::{angle_pair, existing, exposure, size};
 use flb_stage::backend::GpuCount;
 
-use super::{BandArgs, MemoryArgs, SkyArgs};
+use super::{BandArgs, MemoryArgs, SceneLightArgs, SkyArgs};
 
 #[derive(Args)]
 pub(crate) struct RenderArgs {
@@ -50,10 +50,8 @@ pub(crate) struct RenderArgs {
     /// Name of the species [default: the only one, else the mesh file's name]
     #[arg(long, value_name = "S")]
     pub species: Option<String>,
-    /// What the plants of a scene do to each other's light, of `flb bake-scene` [default: the scene's `light`, else
-    /// they do nothing]
-    #[arg(long, value_name = "SCENE.flb")]
-    pub scene_light: Option<PathBuf>,
+    #[command(flatten)]
+    pub scene_light: SceneLightArgs,
     /// Light of the sky: factor on the ambient base of a `paper` file, whose value is 18 outside the plant; fluence of
     /// an even sky, the sun's being 1, with a `physical` one; factor on a clear sky [default: 0.02; `physical`: 0.36;
     /// a clear sky: 1]

@@ -7,7 +7,7 @@ use flb_files::Existing;
 use flb_view::Show;
 
 use super::values::{above_0, angle_pair, existing, exposure, size};
-use super::{BandArgs, MemoryArgs, RenderBackendArg, SkyArgs};
+use super::{BandArgs, MemoryArgs, RenderBackendArg, SceneLightArgs, SkyArgs};
 
 #[derive(Args)]
 pub(crate) struct ViewArgs {
@@ -43,10 +43,8 @@ pub(crate) struct ViewArgs {
     pub sky: SkyArgs,
     #[command(flatten)]
     pub bands: BandArgs,
-    /// What its plants do to each other's light, as `flb bake-scene` found it; beside the budget [default: the scene's
-    /// `light`]
-    #[arg(long, value_name = "LIGHT.flb")]
-    pub scene_light: Option<PathBuf>,
+    #[command(flatten)]
+    pub scene_light: SceneLightArgs,
     /// Exposure to begin with, stops [default: 0; `physical`: 3]
     #[arg(long, allow_hyphen_values = true, value_name = "EV", value_parser = exposure)]
     pub exposure: Option<f32>,

@@ -196,7 +196,16 @@ fn what_cannot_be_baked_is_refused_by_name() {
     let bake = ["bake", "oak.glb", "--lattice", "16", "--voxels", "128"];
     folder.flb_with(&bake, &[&PAPER[..], &["-o", "paper.flb"]].concat());
     written("paper.toml", good.replace("oak.flb", "paper.flb"));
-    scene(&["paper.toml"], 2, &["paper.flb", "of the model paper", "--model physical"]);
+    let says = ["paper.toml", "\"oak\" is of the model paper", "\"shrub\" of physical", "one --model"];
+    scene(&["paper.toml"], 2, &says);
+    let shrub = ["bake", "shrub.glb", "--lattice", "16", "--voxels", "128"];
+    folder.flb_with(&shrub, &[&PAPER[..], &["-o", "paper-shrub.flb"]].concat());
+    let both = good.replace("oak.flb", "paper.flb").replace("shrub.flb", "paper-shrub.flb");
+    written("papers.toml", both);
+    for flag in ["--suns=sh1", "--ordinates=18"] {
+        let says = ["papers.toml", flag.split('=').next().expect("a flag"), "of the model physical"];
+        scene(&["papers.toml", flag], 2, &says);
+    }
     let total = ["bake", "oak.glb", "-o", "total.flb", "--field", "total"];
     folder.flb_with(&total, &QUICK);
     written("mixed.toml", good.replace("oak.flb", "total.flb"));
@@ -217,6 +226,69 @@ fn what_cannot_be_baked_is_refused_by_name() {
         "x.png",
     ];
     folder.flb(&plant).expect_code(2).says(&["--scene-light is for scenes"]);
+}
+
+#[test]
+fn plants_of_the_papers_model_are_scaled_by_either_factor_and_their_ground_is_left_out() {
+    let folder = stand();
+    for plant in ["oak", "shrub"] {
+        let (mesh, light) = (format!("{plant}.glb"), format!("{plant}.flb"));
+        let words = ["bake", &mesh, "-o", &light, "--force", "--lattice", "16", "--voxels", "128"];
+        folder.flb_with(&words, &PAPER).expect_code(0);
+    }
+    let bake = |output: &str, more: &[&str]| {
+        let words = ["bake-scene", "stand.toml", "--lattice", "16", "--json", "-o", output];
+        folder.flb_with(&words, more).expect_code(0)
+    };
+    let run = bake("stand.flb", &["--cache", "cache"]).says(&["stand.toml", "the ground is left out"]).json();
+    fits("bake-scene", &run);
+    assert_eq!((&run["ground_left_out"], &run["suns_rms"]), (&json!(true), &Value::Null));
+    assert_eq!((&run["ground_sites"], &run["converged"]), (&json!(0), &json!(true)));
+    bake("one.flb", &["--threads", "1"]);
+    assert_eq!(folder.read("stand.flb"), folder.read("one.flb"));
+    folder.flb(&["validate", "stand.flb"]).expect_code(0);
+    let light = ["--scene-light", "stand.flb"];
+    let draw = |name: &str, more: &[&str]| {
+        let indirect = ["--indirect", "only", "--sun", "90,20", "-o", name];
+        render(&folder, &[&indirect[..], more].concat()).expect_code(0);
+        pixels(&folder.read(name)).iter().map(|byte| f64::from(*byte)).sum::<f64>()
+    };
+    let without = draw("without.png", &[]);
+    let alone = draw("alone.png", &light);
+    assert_eq!(alone, draw("said.png", &[&light[..], &["--scene-factor", "alone"]].concat()));
+    let empty = draw("empty.png", &[&light[..], &["--scene-factor", "empty"]].concat());
+    assert!(alone < without && empty < without && empty != alone, "{without} {alone} {empty}");
+    let says = ["stand.toml", "--scene-factor needs scene light"];
+    render(&folder, &["--scene-factor", "empty", "-o", "x.png"]).expect_code(2).says(&says);
+    // One plant moves, and the scene alone is solved again.
+    move_one(&folder);
+    let run = bake("moved.flb", &["--cache", "cache"]).json();
+    let cached: Vec<bool> = (0..2).map(|species| run["species"][species]["cached"] == true).collect();
+    assert_eq!(cached, [true, true]);
+    assert_ne!(folder.read("stand.flb"), folder.read("moved.flb"));
+    render(&folder, &[&light[..], &["-o", "x.png"]].concat()).expect_code(2).says(&["other plants"]);
+    render(&folder, &["--scene-light", "moved.flb", "-o", "moved.png"]).expect_code(0);
+    // Of the other model, the beam of lists of suns is not known.
+    let folder = self::stand();
+    bake_scene(&folder, &["--suns", "lattice18", "-o", "stand.flb"]).expect_code(0);
+    let says = ["stand.flb", "lack the sun's own beam", "--suns sh1"];
+    let empty = ["--scene-light", "stand.flb", "--scene-factor", "empty", "-o", "y.png"];
+    render(&folder, &empty).expect_code(2).says(&says);
+    bake_scene(&folder, &["--suns", "sh1", "-o", "stand.flb", "--force"]).expect_code(0);
+    render(&folder, &empty).expect_code(0);
+    assert_ne!(folder.read("y.png"), Vec::<u8>::new());
+}
+
+#[test]
+fn sites_that_are_larger_than_crowns_are_told() {
+    let folder = stand();
+    let scene = text(&folder, "stand.toml");
+    let first = scene.find("position_m = [").expect("a position") + "position_m = [".len();
+    let end = first + scene[first..].find(',').expect("a coordinate");
+    // One plant far away stretches the lattice.
+    folder.write("stand.toml", format!("{}900{}", &scene[..first], &scene[end..]));
+    let says = ["warning", "a site of the scene's lattice is", "times as wide as the crown", "--lattice 16"];
+    bake_scene(&folder, &["-o", "wide.flb"]).expect_code(0).says(&says);
 }
 
 #[test]

@@ -31,8 +31,9 @@ const HEAD: u32 = 6u;
 
 // In the order of the stand's tree.
 @group(1) @binding(1) var<storage, read> blends: array<VolumeBlend>;
-// First words of the scene's own volumes, the sky's and the sun's or NONE; then all volumes, their values [z][y][x] as
-// bits of floats.
+// First words of the scene's own volumes, the sky's and the sun's or NONE; bits of the sun's and the sky's light in an
+// empty scene, where that is what the scene's light is compared with, else 0; then all volumes, their values [z][y][x]
+// as bits of floats.
 @group(1) @binding(2) var<storage, read> volumes: array<u32>;
 
 fn indirect(instance: u32, asked: Asked) -> vec3<f32> {
@@ -68,14 +69,22 @@ fn modulation_of_sky(blend: VolumeBlend, point_model_m: vec3<f32>) -> Modulation
     if sky == NONE {
         return Modulation(1.0, 0.0);
     }
+    let scene = value_at(volumes[0], scene_lattice_of(blend, point_model_m));
+    if volumes[3] != 0u {
+        return modulation_of_empty(scene, bitcast<f32>(volumes[3]));
+    }
     let alone = value_at(sky, lattice_of(sky, point_model_m));
-    return modulation_of(value_at(volumes[0], scene_lattice_of(blend, point_model_m)), alone, mean_of(sky));
+    return modulation_of(scene, alone, mean_of(sky));
 }
 
 fn modulation_of_sun(blend: VolumeBlend, point_model_m: vec3<f32>) -> Modulation {
     let scene = volumes[1];
     if blend.volumes.x == NONE || scene == NONE {
         return Modulation(1.0, 0.0);
+    }
+    let of_scene = value_at(scene, scene_lattice_of(blend, point_model_m));
+    if volumes[2] != 0u {
+        return modulation_of_empty(of_scene, bitcast<f32>(volumes[2]));
     }
     var alone = 0.0;
     var mean = 0.0;
@@ -88,7 +97,12 @@ fn modulation_of_sun(blend: VolumeBlend, point_model_m: vec3<f32>) -> Modulation
             mean += weight * mean_of(volume);
         }
     }
-    return modulation_of(value_at(scene, scene_lattice_of(blend, point_model_m)), alone, mean);
+    return modulation_of(of_scene, alone, mean);
+}
+
+// The papers' factor.
+fn modulation_of_empty(scene: f32, empty: f32) -> Modulation {
+    return Modulation(select(scene / empty, 1.0, scene == UNKNOWN), 0.0);
 }
 
 fn modulation_of(scene: f32, alone: f32, mean: f32) -> Modulation {

@@ -9,7 +9,9 @@ use flb_render::picture::PHYSICAL_EXPOSURE;
 use flb_render::{Indirect, LightQuery, Lighting, Look, Picture, Shading};
 use flb_runtime::Library;
 use flb_runtime::samplers::{PhysicalSampler, SpeciesSampler, offset};
-use flb_runtime::scene_light::{Modulations, PreparedSceneLight, SceneLight, SceneLightAtSun, TILTS};
+use flb_runtime::scene_light::{
+    Modulations, PreparedSceneLight, SceneFactor, SceneLight, SceneLightAtSun, TILTS,
+};
 use flb_scene::sampling::hash;
 use flb_testkit::scenes::{library, physical, plane, scene_light, stand, view};
 
@@ -85,14 +87,21 @@ fn paper_pictures_among_neighbours_are_those_of_the_cpu() {
     let library = library(&NAMES.map(|name| (name, None)), Codec::Classed);
     let bases: Vec<u8> = (0..19).collect();
     let samplers = [0, 1].map(|species| SpeciesSampler::load(&library, species, &bases).unwrap());
-    let light = SceneLight::load(&scene_light(&NAMES, &SunBasis::Lattice18)).unwrap();
+    let light = SceneLight::load(&scene_light(&NAMES, Some(&SunBasis::Lattice18))).unwrap();
     let (prepared, placed) = (light.prepare(NAMES), instances.clone());
+    let of_paper = SceneLight::load(&scene_light(&NAMES, None)).unwrap();
+    let papers = of_paper.compared_with(SceneFactor::Empty).unwrap();
+    let by_factor = papers.prepare(NAMES);
     let forest = two(&meshes, Shading::Paper, &instances, Some(plane()));
     let view = view([112, 70], 4, 30.0);
     let days = [[135.0, 35.0], [250.0, 12.0], [90.0, -10.0]]
         .map(|[azimuth, elevation]| Lighting::towards(towards_sun(azimuth, elevation)));
-    let under = days.each_ref().map(|daylight| under(&prepared, daylight, &placed));
-    let cases: Vec<_> = days.iter().cloned().zip(&under).collect();
+    let shades: Vec<_> = days
+        .iter()
+        .map(|daylight| under(&prepared, daylight, &placed))
+        .chain(days.iter().map(|daylight| under(&by_factor, daylight, &placed)))
+        .collect();
+    let cases: Vec<_> = days.iter().chain(&days).cloned().zip(&shades).collect();
     let found = pictures(&forest, &library, &view, &Look::default(), &cases);
     let expected = |daylight: &Lighting, shade| {
         let alone = |instance: u32, [sun, sky]: [f32; 2], point: [f32; 3], phi: &mut [f32; 3]| {
@@ -107,7 +116,7 @@ fn paper_pictures_among_neighbours_are_those_of_the_cpu() {
         // A shade is seen.
         assert!(difference(found, &expected(daylight, None), 0.0).0 > SEEN);
     }
-    assert_alike(&found[3], &expected(&days[2], None), 0.0);
+    assert_alike(&found[cases.len()], &expected(&days[2], None), 0.0);
 }
 
 #[test]
@@ -124,7 +133,7 @@ fn physical_pictures_among_neighbours_that_share_volumes_are_those_of_the_cpu() 
     }
     let library = library(&NAMES.map(|name| (name, Some(SunBasis::Lattice18))), Codec::Classed);
     let samplers = [0, 1].map(|species| PhysicalSampler::load(&library, species).unwrap());
-    let light = SceneLight::load(&scene_light(&NAMES, &SunBasis::Lattice18)).unwrap();
+    let light = SceneLight::load(&scene_light(&NAMES, Some(&SunBasis::Lattice18))).unwrap();
     let (prepared, mut placed) = (light.prepare(NAMES), instances.clone());
     // The light of one is its own.
     placed[3].species = NAMES.len();
@@ -167,7 +176,7 @@ fn harmonics_among_neighbours_have_the_near_beam_of_the_cpu() {
     let library = library(&NAMES.map(|name| (name, Some(suns.clone()))), Codec::Classed);
     let samplers = [0, 1].map(|species| PhysicalSampler::load(&library, species).unwrap());
     let marchers = samplers.each_ref().map(PhysicalSampler::marcher);
-    let light = SceneLight::load(&scene_light(&NAMES, &suns)).unwrap();
+    let light = SceneLight::load(&scene_light(&NAMES, Some(&suns))).unwrap();
     let (prepared, placed) = (light.prepare(NAMES), instances.clone());
     let forest = two(&meshes, physical(), &instances, Some(plane()));
     let view = view([96, 64], 4, 26.0);
@@ -202,7 +211,7 @@ fn a_shade_of_other_plants_is_refused_and_forgotten_with_those_it_was_for() {
     let meshes = meshes();
     let instances = stand(5, 12.0, [0.0; 3]);
     let library = library(&NAMES.map(|name| (name, None)), Codec::Classed);
-    let light = SceneLight::load(&scene_light(&NAMES, &SunBasis::Lattice18)).unwrap();
+    let light = SceneLight::load(&scene_light(&NAMES, Some(&SunBasis::Lattice18))).unwrap();
     let (prepared, placed) = (light.prepare(NAMES), instances.clone());
     let daylight = Lighting::towards(towards_sun(135.0, 35.0));
     let mut forest = two(&meshes, Shading::Paper, &instances, Some(plane()));

@@ -45,7 +45,7 @@ fn many_gpus_draw_the_picture_of_one_to_the_bit() {
     let library = library(&NAMES.map(|name| (name, None)), Codec::Classed);
     let water = Water { height_m: 0.35, color: [0.02, 0.06, 0.07] };
     let forest = two(&meshes, Shading::Paper, &instances, Some(hills(50.0))).with_water(water).unwrap();
-    let light = SceneLight::load(&scene_light(&NAMES, &SunBasis::Lattice18)).unwrap();
+    let light = SceneLight::load(&scene_light(&NAMES, Some(&SunBasis::Lattice18))).unwrap();
     let prepared = light.prepare(NAMES);
     // Trees everywhere, and grids everywhere.
     for search in [ways::all()[0], ways::all()[7]] {

@@ -136,7 +136,8 @@ fn neighbours_do_to_an_uneven_sky_what_they_do_on_the_cpu() {
     let instances = stand(13, 25.0, [0.0; 3]);
     let suns = Some(SunBasis::Lattice18);
     let library = library(&NAMES.map(|name| (name, suns.clone())), Codec::Classed);
-    let scene_light = SceneLight::load(&scene_light(&NAMES, &SunBasis::Lattice18)).expect("a sound file");
+    let scene_light =
+        SceneLight::load(&scene_light(&NAMES, Some(&SunBasis::Lattice18))).expect("a sound file");
     let prepared = scene_light.prepare(NAMES);
     let lighting = clear([135.0, 35.0]);
     let shade = prepared.at_sun(Some(lighting.daylight.towards_sun), &instances).expect("its sun");

@@ -10,7 +10,7 @@ use flb_format::{Placement, Transform};
 use super::export::{FLOOR, luminance};
 use super::octahedron::{self, Corner};
 use super::volume::Volume;
-use super::{PreparedSceneLight, SceneLight};
+use super::{PreparedSceneLight, SceneFactor, SceneLight};
 use crate::RuntimeError;
 
 /// Turns about the vertical for which a species alone is lit, where many instances share them.
@@ -23,7 +23,8 @@ pub const TILTS: usize = 96;
 /// Change that other plants and the ground make to the light of one source at a point of a plant.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Modulation {
-    /// Share of the plant's own light that the others leave, 0..=1.
+    /// Share of the plant's own light that the others leave: 0..=1, but that it may be more where the scene is compared
+    /// with an empty one.
     pub scale: f32,
     /// Luminance that the others add, from 0, of a source of fluence 1.
     pub add: f32,
@@ -70,6 +71,11 @@ impl Modulation {
         let scale = if scene < alone { (scene + floor) / (alone + floor) } else { 1.0 };
         Modulation { scale, add: (scene - alone).max(0.0) }
     }
+
+    /// The papers' factor: the scene's light by that of an empty scene.
+    fn of_empty(scene: Option<f32>, empty: f32) -> Modulation {
+        scene.map_or(Modulation::UNCHANGED, |scene| Modulation { scale: scene / empty, add: 0.0 })
+    }
 }
 
 impl Modulations {
@@ -109,9 +115,13 @@ impl<'l> PreparedSceneLight<'l> {
             let (alone, blends) = (Vec::new(), Vec::new());
             return Ok(SceneLightAtSun { light, placed, species: numbers, scene: None, alone, blends });
         };
-        let scene = Some(light.scene.under(self.scene.as_ref(), sun)?);
+        let is_empty = light.factor == SceneFactor::Empty;
+        let scene = Some(light.scene.under(self.scene.as_ref(), sun, is_empty)?);
         let mut alone = Vec::new();
         let mut blends = vec![VolumeBlend { volumes: [0; 3], weights: [0.0; 3] }; placed.len()];
+        if is_empty {
+            return Ok(SceneLightAtSun { light, placed, species: numbers, scene, alone, blends });
+        }
         for (species, (_, coarse)) in light.alone.iter().enumerate() {
             let mine: Vec<usize> = (0..placed.len())
                 .filter(|&index| number(&numbers, &placed[index]) == Some(species))
@@ -134,7 +144,7 @@ impl<'l> PreparedSceneLight<'l> {
                         Entry::Occupied(known) => *known.get(),
                         Entry::Vacant(place) => {
                             let towards_sun = side.towards_sun(placed, sun);
-                            alone.push(coarse.under(self.alone[species].as_ref(), towards_sun)?);
+                            alone.push(coarse.under(self.alone[species].as_ref(), towards_sun, false)?);
                             *place.insert(alone.len() - 1)
                         }
                     };
@@ -160,6 +170,12 @@ impl SceneLightAtSun<'_> {
         let Some(species) = self.number(&self.placed[index]) else { return Modulations::UNCHANGED };
         let point = point_model_m.map(f64::from);
         let world = self.placed[index].transform.world_from_model_point(point);
+        if self.light.factor == SceneFactor::Empty {
+            let scene = &self.light.scene;
+            let of_sun = |sun: &Volume| Modulation::of_empty(sun.at(world), 1.0);
+            let sun = self.scene.as_ref().map_or(Modulation::UNCHANGED, of_sun);
+            return Modulations { sun, sky: Modulation::of_empty(scene.sky.at(world), scene.open_sky) };
+        }
         let coarse = &self.light.alone[species].1;
         let sky = Modulation::of(self.light.scene.sky.at(world), coarse.sky.at(point), coarse.sky.mean);
         let Some(scene) = &self.scene else { return Modulations { sun: Modulation::UNCHANGED, sky } };

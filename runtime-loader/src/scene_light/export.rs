@@ -3,7 +3,7 @@
 
 use flb_format::{Grid, Placement};
 
-use super::SceneLightAtSun;
+use super::{SceneFactor, SceneLightAtSun};
 
 /// Share of the mean light of a species alone that is added to both sides of a quotient: deep in a crown there is next
 /// to no light, and what noise would make of a quotient there is of no use.
@@ -48,6 +48,9 @@ pub struct FlatSceneLight<'s> {
     pub scene_sky: usize,
     /// Volume of the scene's sun, as an index; `None` without one.
     pub scene_sun: Option<usize>,
+    /// Light of the sun and of the sky of an empty scene, where that is what the scene's is compared with: what it
+    /// leaves is then the quotient, it adds nothing, and volumes of species alone do not count.
+    pub empty: Option<[f32; 2]>,
     /// Placement of each plant, by number; `None` for the aim of one whose light others do not change.
     pub plants: Vec<(Placement, Option<FlatVolumeBlend>)>,
 }
@@ -59,10 +62,14 @@ impl SceneLightAtSun<'_> {
         let skies = alone.iter().map(|(_, coarse)| &coarse.sky);
         let volumes =
             std::iter::once(&self.light.scene.sky).chain(skies).chain(&self.scene).chain(&self.alone);
+        let empty = (self.light.factor == SceneFactor::Empty).then_some([1.0, self.light.scene.open_sky]);
         let scene_sun = self.scene.as_ref().map(|_| 1 + alone.len());
         let blend = |(index, placed): (usize, &Placement)| {
             let blend = self.number(placed).map(|species| {
-                let sun = scene_sun.map(|scene| self.blends[index].volumes.map(|volume| scene + 1 + volume));
+                // Compared with an empty scene, a species has no volumes under the sun.
+                let own =
+                    |scene: usize, volume: usize| if empty.is_some() { scene } else { scene + 1 + volume };
+                let sun = scene_sun.map(|scene| self.blends[index].volumes.map(|volume| own(scene, volume)));
                 let weights = self.blends.get(index).map_or([0.0; 3], |blend| blend.weights);
                 FlatVolumeBlend { sky: 1 + species, sun, weights }
             });
@@ -72,6 +79,7 @@ impl SceneLightAtSun<'_> {
             volumes: volumes.map(|volume| volume.flat()).collect(),
             scene_sky: 0,
             scene_sun,
+            empty,
             plants: self.placed.iter().enumerate().map(blend).collect(),
         }
     }

@@ -96,6 +96,40 @@ fn neighbours_that_take_light_leave_a_share_and_those_that_bring_some_add_it() {
 }
 
 #[test]
+fn compared_with_an_empty_scene_the_scene_s_light_is_the_factor_whatever_a_plant_has_alone() {
+    let light = load(&[coarse(&alone(), 0.5), coarse(&scene(), 0.3)]).expect("scene light");
+    // What is scattered at single suns has no beam, of which an empty scene's light is made.
+    let error = light.compared_with(SceneFactor::Empty).map(|_| ()).unwrap_err().to_string();
+    assert!(error.starts_with("fields of light scattered at single suns lack the sun's own beam"), "{error}");
+    let with_beam = |role: &Role, light: f32| {
+        let mut fields = coarse(role, light);
+        if let Model::Physical { light, .. } = &mut fields.meta.model {
+            light.field = FieldKind::Total;
+        }
+        fields
+    };
+    for of_alone in [0.1, 0.9] {
+        let light = load(&[with_beam(&alone(), of_alone), with_beam(&scene(), 1.3)]).expect("scene light");
+        let light = light.compared_with(SceneFactor::Empty).expect("fields with the beam");
+        let (prepared, placed) = (light.prepare(["oak", "ash"]), [HOME, Placement { species: 1, ..HOME }]);
+        let shade = prepared.at_sun(Some([0.3, 0.8, 0.1]), &placed).expect("a sun");
+        let at = shade.at(0, [0.0, 2.0, 0.0]);
+        for share in [at.sun, at.sky] {
+            assert!((share.scale - 1.3).abs() < 1e-6 && share.add == 0.0, "{at:?}");
+        }
+        for unchanged in [shade.at(1, [0.0, 2.0, 0.0]), shade.at(0, [90.0, 2.0, 0.0])] {
+            assert_eq!(unchanged, Modulations::UNCHANGED);
+        }
+        assert_eq!(shade.flat().empty, Some([1.0; 2]));
+        let night = prepared.at_sun(None, &placed).expect("no sun");
+        assert_eq!(
+            (night.at(0, [0.0, 2.0, 0.0]).sun, night.at(0, [0.0, 2.0, 0.0]).sky),
+            (Modulation::UNCHANGED, at.sky)
+        );
+    }
+}
+
+#[test]
 fn what_is_added_has_the_colour_of_what_is_there() {
     let added =
         Modulations { sun: Modulation { scale: 1.0, add: 0.1 }, sky: Modulation { scale: 1.0, add: 0.05 } };

@@ -43,7 +43,7 @@ fn apart(one: &Painted, other: &Painted) -> f32 {
 fn a_gpu_that_kept_camera_and_shade_paints_each_shot_as_a_fresh_one() {
     let (alone, mut among, gpu) = (stand(), stand(), gpu());
     // Of another stand, which does not matter here.
-    let light = SceneLight::load(&scenes::scene_light(&["a", "b"], &SunBasis::Lattice18));
+    let light = SceneLight::load(&scenes::scene_light(&["a", "b"], Some(&SunBasis::Lattice18)));
     among.scene_light = Some(light.expect("scene light"));
     let fresh = || {
         let mut painter = painter(&among);

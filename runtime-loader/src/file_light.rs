@@ -13,14 +13,14 @@ use crate::sun_terms::SunTerms;
 use crate::{Library, RuntimeError};
 
 /// What was read.
-pub(super) struct FileLight {
+pub(crate) struct FileLight {
     path: PathBuf,
     species: Species,
     light: ResidentSpecies,
 }
 
 /// The bases of the model `paper` that suns and the sky need, ascending.
-pub(super) fn bases_for(
+pub(crate) fn bases_for(
     suns: impl IntoIterator<Item = [f64; 3]>,
     has_sky: bool,
 ) -> Result<Vec<u8>, RuntimeError> {
@@ -36,19 +36,19 @@ pub(super) fn bases_for(
 
 impl FileLight {
     /// Reads, verifies and keeps these bases.
-    pub(super) fn load(library: &Library, index: usize, bases: &[u8]) -> Result<FileLight, RuntimeError> {
+    pub(crate) fn load(library: &Library, index: usize, bases: &[u8]) -> Result<FileLight, RuntimeError> {
         let light = ResidentSpecies::load(library, index, bases)?;
         let species = known_species(library, index)?.clone();
         Ok(FileLight { path: library.path().to_owned(), species, light })
     }
 
     /// What is there.
-    pub(super) fn light(&self) -> &ResidentSpecies {
+    pub(crate) fn light(&self) -> &ResidentSpecies {
         &self.light
     }
 
     /// Refuses a sun, and a sky where it counts, of which a basis is not there.
-    pub(super) fn check(&self, towards_sun: Option<[f64; 3]>, has_sky: bool) -> Result<(), RuntimeError> {
+    pub(crate) fn check(&self, towards_sun: Option<[f64; 3]>, has_sky: bool) -> Result<(), RuntimeError> {
         if let Some(towards_sun) = towards_sun {
             let no_direction = RuntimeError::NoDirection { found: towards_sun };
             let terms = SunTerms::of(self.light.suns(), towards_sun).ok_or(no_direction)?;
@@ -63,7 +63,7 @@ impl FileLight {
     }
 
     /// Why there is no such base.
-    pub(super) fn missing(&self, base: u8) -> RuntimeError {
+    pub(crate) fn missing(&self, base: u8) -> RuntimeError {
         match self.species.bases.iter().any(|known| known.base == base) {
             true => {
                 let (path, species) = (self.path.clone(), self.species.meta.name.clone());
