@@ -438,6 +438,8 @@ impl From<StageError> for Failure {
             | StageError::NoTriangles
             | StageError::OtherScene { .. }
             | StageError::OtherPlant { .. }
+            | StageError::NoSceneLight
+            | StageError::OnCpuAlone
             | StageError::UnevenSkyOverPaper => Failure::new(USAGE, error),
             _ => Failure::new(INTERNAL, error),
         }

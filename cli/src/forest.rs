@@ -13,11 +13,11 @@ use flb_stage::backend::GpuCount;
 use flb_stage::open::{self, mesh_file};
 use flb_stage::plant::{PlantLight, ScenePlant};
 use flb_stage::{
-    Backend, FrameSettings, LookSettings, OpenSettings, SceneLook, SceneRenderer, Stage, frames,
+    Backend, FrameSettings, LookSettings, OpenSettings, SceneLook, SceneRenderer, SceneShow, Stage, frames,
 };
 use serde::Serialize;
 
-use crate::args::{BandArgs, MemoryArgs, RenderArgs, RenderBackendArg, SceneLightArgs};
+use crate::args::{BandArgs, MemoryArgs, RenderArgs, RenderBackendArg, SceneLightArgs, ShowArg};
 use crate::exit::{Failure, USAGE};
 use crate::inputs::{check_local, check_output_of, open, read_scene};
 use crate::memory::{check, check_plants, sampler_bytes};
@@ -90,7 +90,8 @@ pub(crate) fn run(args: &RenderArgs) -> Result<u8, Failure> {
     let plant_bytes = Stage::PLANT_BYTES + if sky.is_even() { 0 } else { Stage::SKY_BYTES };
     check_plants(&args.file, scene.instances.len(), plant_bytes, &args.memory)?;
     let stage = stages.run(Step::Load, "", |_| on_stage(scene, plants, &args.file, &args.scene_light))?;
-    let default = Look::default();
+    let default =
+        Look::of_light(stage.plants.iter().filter_map(|plant| plant.light.as_ref()).map(PlantLight::meta));
     let settings = LookSettings {
         size: args.size,
         samples: args.samples.unwrap_or(4),
@@ -100,9 +101,17 @@ pub(crate) fn run(args: &RenderArgs) -> Result<u8, Failure> {
             indirect_scale: args.indirect_scale.unwrap_or(default.indirect_scale),
             ..default
         },
+        show: match args.show {
+            ShowArg::Light => SceneShow::Light,
+            ShowArg::Global => SceneShow::Global,
+        },
     };
     let look = SceneLook::new(&stage, &settings, sky).map_err(|error| at_scene(error.into()))?;
-    let exposure = args.exposure.unwrap_or(stage.default_exposure());
+    let exposure = args.exposure.unwrap_or(match args.show {
+        ShowArg::Light => stage.default_exposure(),
+        // Shares are shown as they are.
+        ShowArg::Global => 0.0,
+    });
     let look_size = look.size;
     let backend = backend(args.backend, args.gpus);
     let mut renderer = SceneRenderer::new(&stage, look, &frames, backend, &stages)?;

@@ -179,7 +179,7 @@ fn settings(args: &PackArgs) -> Result<Option<EncodeSettings>, Failure> {
     if args.inputs.len() > 1 && args.quality.is_none() && !args.coding.is_asked() {
         return Ok(None);
     }
-    let codec = args.coding.codec();
+    let codec = args.coding.codec(args.quality.unwrap_or_default());
     if args.quality.is_some() && matches!(codec, Codec::RawF32 | Codec::RawF16) {
         let message = format!("--codec {} drops no detail; it takes no --quality", codec.name());
         return Err(Failure::new(USAGE, message));

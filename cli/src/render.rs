@@ -12,7 +12,7 @@ use flb_stage::StageSky;
 use flb_stage::alone::{PlantLook, PlantRenderer};
 use flb_stage::plant::PlantLight;
 
-use crate::args::{RenderArgs, RenderBackendArg};
+use crate::args::{RenderArgs, RenderBackendArg, ShowArg};
 use crate::exit::{Failure, USAGE};
 use crate::inputs::{check_output_of, choose_species, open};
 use crate::memory::{check, sampler_bytes};
@@ -74,6 +74,9 @@ pub(crate) fn run(args: &RenderArgs) -> Result<u8, Failure> {
     }
     if args.gpus.is_some() {
         return Err(Failure::new(USAGE, "--gpus is for scenes (.toml); a single plant is drawn on the CPU"));
+    }
+    if args.show != ShowArg::Light {
+        return Err(Failure::new(USAGE, "--show is for scenes (.toml); a plant alone has no neighbours"));
     }
     if let Some(flag) = args.scene_light.given() {
         return Err(Failure::new(
@@ -190,7 +193,7 @@ fn look(args: &RenderArgs, meta: &SpeciesMeta, sky: &StageSky) -> Result<(PlantL
         );
     }
     let ([width, height], view) = (args.size.unwrap_or([512; 2]), args.view.unwrap_or([180.0, 8.0]));
-    let default = Look::default();
+    let default = Look::of_light([meta]);
     let look = PlantLook {
         portrait: Portrait {
             width,

@@ -11,7 +11,7 @@ use flb_render::picture::png_of;
 use flb_scene::scene::{Scene, Suns};
 use flb_stage::plant::ScenePlant;
 use flb_stage::stream::{Painted, Painter, Shot, Show};
-use flb_stage::{LookSettings, SceneLook, Stage, StageError};
+use flb_stage::{LookSettings, SceneLook, SceneShow, Stage, StageError};
 use flb_view::screen::Screen;
 use flb_view::{Controls, ViewError, window};
 use serde::Serialize;
@@ -83,8 +83,13 @@ pub(crate) fn run(args: &ViewArgs) -> Result<u8, Failure> {
     check_plants(&args.scene, scene.instances.len(), plant_bytes, &args.memory)?;
     let stage = forest::on_stage(scene, plants, &args.scene, &args.scene_light)?;
     let scene = &stage.scene;
-    let settings =
-        LookSettings { size: None, samples: args.samples, ambient: args.ambient, look: Look::default() };
+    let settings = LookSettings {
+        size: None,
+        samples: args.samples,
+        ambient: args.ambient,
+        look: Look::default(),
+        show: SceneShow::Light,
+    };
     let look =
         SceneLook::new(&stage, &settings, sky).map_err(|error| Failure::from(error).at(&args.scene))?;
     for name in stage.under_even_sky().filter(|_| !is_even) {

@@ -50,6 +50,8 @@ pub const IGNORE_ALPHA: Key<bool> = Key::new("voxelise.ignore_alpha");
 pub const SOLVER: Key<String> = Key::new("solve.solver");
 /// Change of a field at which a solve ends.
 pub const TOLERANCE: Key<f64> = Key::new("solve.tolerance");
+/// Iterations of a solve that did a fixed number of them, of the model `paper`.
+pub const STEPS: Key<u32> = Key::new("solve.steps");
 /// Largest number of sweeps or passes of a solve.
 pub const MAX_SWEEPS: Key<u32> = Key::new("solve.max_sweeps");
 /// Parts that a site is cut into along an edge, of the model `physical`.
@@ -80,6 +82,13 @@ pub const ALL_BLOCKS: Key<bool> = Key::new("encode.all_blocks");
 pub const SURFACE_PSNR_DB: Key<Option<f64>> = Key::new("encode.surface_psnr_db");
 
 impl SpeciesMeta {
+    /// Whether its light was made as the papers say: of whole leaf cards, in twice as many steps as the lattice has
+    /// sites along an edge.
+    pub fn is_as_papers_say(&self) -> bool {
+        // Steps are of the papers' model alone.
+        self.recorded(&STEPS) == Some(2 * self.grid.lattice) && self.recorded(&IGNORE_ALPHA) == Some(true)
+    }
+
     /// Records how the species was made.
     ///
     /// # Panics

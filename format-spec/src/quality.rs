@@ -18,10 +18,12 @@ pub enum Quality {
     /// Highest accuracy of a bake.
     #[cfg_attr(feature = "clap", value(alias = "lossless"))]
     Reference,
+    /// The papers' own settings, which are not the most exact ones.
+    Papers,
 }
 
 impl Quality {
-    /// All qualities, from the quickest to the most exact.
+    /// Qualities from the quickest to the most exact; [`Quality::Papers`] has no place among them.
     pub const ALL: [Quality; 4] = [Quality::Draft, Quality::Standard, Quality::Fine, Quality::Reference];
 
     /// Name of the quality on the command line.
@@ -31,6 +33,7 @@ impl Quality {
             Quality::Standard => "standard",
             Quality::Fine => "fine",
             Quality::Reference => "reference",
+            Quality::Papers => "papers",
         }
     }
 }

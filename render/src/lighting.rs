@@ -1,6 +1,6 @@
 //! What lights a scene, and which part of that light a picture shows.
 
-use flb_format::Daylight;
+use flb_format::{Daylight, SpeciesMeta};
 use flb_scene::sky::Sky;
 use glam::DVec3;
 
@@ -94,6 +94,15 @@ impl Lighting {
 }
 
 impl Look {
+    /// The look by default of plants in the light of files: where all of it was made as the papers say, indirect light
+    /// counts as they count it, once.
+    pub fn of_light<'m>(files: impl IntoIterator<Item = &'m SpeciesMeta>) -> Look {
+        let mut files = files.into_iter().peekable();
+        let are_papers = files.peek().is_some() && files.all(SpeciesMeta::is_as_papers_say);
+        let default = Look::default();
+        Look { indirect_scale: if are_papers { 1.0 } else { default.indirect_scale }, ..default }
+    }
+
     pub(crate) fn check(&self) -> Result<(), RenderError> {
         range("indirect_scale", self.indirect_scale.into(), 0.0, 1e6)?;
         range("specular", self.specular.into(), 0.0, 1e3)

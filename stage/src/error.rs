@@ -89,6 +89,12 @@ pub enum StageError {
         /// The library.
         library: PathBuf,
     },
+    /// Frames of scene light alone, of a scene without any.
+    #[error("the scene has no scene light, which is to be shown: bake it by `flb bake-scene`")]
+    NoSceneLight,
+    /// Frames that only the CPU can make.
+    #[error("scene light by itself is shown on the CPU alone")]
+    OnCpuAlone,
     /// A file of the model `paper` under an uneven sky.
     #[error("an uneven sky is for physical files: a paper file does not say what comes from the sky itself")]
     UnevenSkyOverPaper,

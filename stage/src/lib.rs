@@ -16,7 +16,8 @@
 //! use flb_scene::Unobserved;
 //! use flb_scene::scene::Scene;
 //! use flb_stage::{
-//!     Backend, FrameSettings, LookSettings, OpenSettings, SceneLook, SceneRenderer, Stage, StageSky, frames,
+//!     Backend, FrameSettings, LookSettings, OpenSettings, SceneLook, SceneRenderer, SceneShow, Stage,
+//!     StageSky, frames,
 //! };
 //!
 //! # use flb_format::{Codec, light::SunBasis};
@@ -35,7 +36,8 @@
 //! let scene = Scene::read(&folder.join("forest.toml"))?;
 //! let frames = frames(&scene, &FrameSettings { count: Some(1), needs_sun: true, ..FrameSettings::default() })?;
 //! let stage = Stage::open(scene, &OpenSettings::default(), &Unobserved)?;
-//! let settings = LookSettings { size: None, samples: 4, ambient: None, look: Look::default() };
+//! let (look, show) = (Look::default(), SceneShow::Light);
+//! let settings = LookSettings { size: None, samples: 4, ambient: None, look, show };
 //! let look = SceneLook::new(&stage, &settings, StageSky::clear(3.0)?)?;
 //! let mut renderer = SceneRenderer::new(&stage, look, &frames, Backend::Cpu, &Unobserved)?;
 //! for (number, frame) in frames.iter().enumerate() {
@@ -74,7 +76,7 @@ pub mod stream;
 pub use backend::Backend;
 pub use error::StageError;
 pub use frames::{FrameSettings, SceneFrame, frames};
-pub use look::{LookSettings, SceneLook};
+pub use look::{LookSettings, SceneLook, SceneShow};
 pub use mesh_of_light::MeshOfLight;
 pub use open::OpenSettings;
 pub use renderer::SceneRenderer;

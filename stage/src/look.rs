@@ -9,6 +9,17 @@ use crate::{SceneFrame, Stage, StageError, StageSky};
 /// Rays that look for the sky from each point of the ground that the camera sees.
 pub(crate) const SKY_RAYS: u32 = 4;
 
+/// Content of the frames of a scene.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum SceneShow {
+    /// Light, or the parts of it that [`Look`] says.
+    #[default]
+    Light,
+    /// Scene light by itself, in grey: the light that plants have among their neighbours over the light that they have
+    /// alone, the sun and the sky together; 1 is white.
+    Global,
+}
+
 /// Size, rays and light that a caller chooses for all frames; `None` is the default of the scene, or of its plants'
 /// model.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -21,6 +32,8 @@ pub struct LookSettings {
     pub ambient: Option<f32>,
     /// Parts of the light that are shown.
     pub look: Look,
+    /// Content of the frames.
+    pub show: SceneShow,
 }
 
 /// Size, rays, light and sky that all frames share.
@@ -34,6 +47,8 @@ pub struct SceneLook {
     pub ambient: f32,
     /// Parts of the light that are shown.
     pub look: Look,
+    /// Content of the frames.
+    pub show: SceneShow,
     /// The sky.
     pub sky: StageSky,
     /// Whether the sun goes down behind a ground, or water.
@@ -47,8 +62,12 @@ impl SceneLook {
     /// Makes the look of a stage under a sky.
     ///
     /// # Errors
-    /// [`StageError::UnevenSkyOverPaper`], [`StageError::Sky`].
+    /// [`StageError::UnevenSkyOverPaper`], [`StageError::Sky`]; [`StageError::NoSceneLight`] where that is to be shown
+    /// and there is none.
     pub fn new(stage: &Stage, settings: &LookSettings, sky: StageSky) -> Result<SceneLook, StageError> {
+        if settings.show == SceneShow::Global && stage.scene_light.is_none() {
+            return Err(StageError::NoSceneLight);
+        }
         let scene = &stage.scene;
         let height = scene.camera.as_ref().map_or(512, |camera| camera.height_px);
         let wide = [(u64::from(height) * 16 / 9).clamp(1, u64::from(u32::MAX)) as u32, height];
@@ -60,6 +79,7 @@ impl SceneLook {
             samples: settings.samples,
             ambient: asked_ambient.unwrap_or(stage.default_ambient()),
             look: settings.look,
+            show: settings.show,
             sky,
             has_ground: stage.has_ground(),
             units,

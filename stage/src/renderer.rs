@@ -10,6 +10,7 @@ use flb_runtime::light::{LightCursors, SkyBeams};
 use flb_scene::{Observer, Step};
 
 use crate::fleet::Fleet;
+use crate::look::SceneShow;
 use crate::neighbours::Neighbours;
 use crate::{Backend, SceneFrame, SceneLook, Stage, StageError, light};
 
@@ -72,6 +73,11 @@ impl<'s> SceneRenderer<'s> {
         backend: Backend,
         observer: &dyn Observer,
     ) -> Result<SceneRenderer<'s>, StageError> {
+        let backend = match (look.show, backend) {
+            (SceneShow::Light, backend) => backend,
+            (SceneShow::Global, Backend::Gpu(_)) => return Err(StageError::OnCpuAlone),
+            (SceneShow::Global, Backend::Cpu | Backend::Auto(_)) => Backend::Cpu,
+        };
         let forest = Step::Prepare.run(observer, "", |_| stage.forest(Search::default()))?;
         let on = match Fleet::send(backend, stage, &forest, &look, observer)? {
             Some(fleet) => On::Gpus(Box::new(fleet)),
@@ -114,6 +120,17 @@ impl<'s> SceneRenderer<'s> {
         let skies = lighting.dome.as_ref().map(find).transpose()?;
         let lit = light::of_plants(light, skies.as_ref(), placements, &lighting, shade, self.look.samples)?;
         let cursors = LightCursors::new(&lit);
+        if self.look.show == SceneShow::Global {
+            let bare =
+                light::of_plants(light, skies.as_ref(), placements, &lighting, None, self.look.samples)?;
+            let bare = LightCursors::new(&bare);
+            return Ok(forest.marked(fragments, &|LightQuery { instance, point, facing }, color| {
+                let [mut among, mut alone] = [[0.0; 3]; 2];
+                cursors.at_facing(instance as usize, point, facing, &mut among);
+                bare.at_facing(instance as usize, point, facing, &mut alone);
+                *color = [share(among, alone); 3];
+            }));
+        }
         let light = |LightQuery { instance, point, facing }: LightQuery, phi: &mut [f32; 3]| {
             cursors.at_facing(instance as usize, point, facing, phi);
         };
@@ -148,4 +165,10 @@ impl<'s> SceneRenderer<'s> {
             On::Cpu(_) => &[],
         }
     }
+}
+
+/// Light among neighbours over that of a plant alone; 0 where there is neither.
+fn share(among: [f32; 3], alone: [f32; 3]) -> f32 {
+    let [among, alone] = [among, alone].map(|light| light.iter().sum::<f32>().max(0.0));
+    if alone > 0.0 { among / alone } else { 0.0 }
 }

@@ -59,7 +59,13 @@ pub(crate) fn stand_of(suns: &SunBasis) -> Stage {
 }
 
 pub(crate) fn look(stage: &Stage, sky: StageSky) -> SceneLook {
-    let settings = LookSettings { size: Some(SIZE), samples: 1, ambient: Some(0.4), look: Look::default() };
+    let settings = LookSettings {
+        size: Some(SIZE),
+        samples: 1,
+        ambient: Some(0.4),
+        look: Look::default(),
+        show: SceneShow::Light,
+    };
     SceneLook::new(stage, &settings, sky).expect("a sky")
 }
 

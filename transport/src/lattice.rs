@@ -60,11 +60,36 @@ pub enum SolverKind {
     Gpu,
 }
 
+/// Number of iterations that a solve does, whatever its error is by then.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Steps {
+    /// So many.
+    Count(u32),
+    /// So many for each site along an edge of the lattice.
+    PerEdge(u32),
+}
+
+impl Steps {
+    /// The papers': twice the longest edge of the lattice (P 5, D 6).
+    pub const PAPERS: Steps = Steps::PerEdge(2);
+
+    /// Iterations on a lattice.
+    pub fn count(self, lattice: u32) -> u32 {
+        match self {
+            Steps::Count(count) => count,
+            Steps::PerEdge(count) => count.saturating_mul(lattice),
+        }
+    }
+}
+
 /// Solver, bases, and the limits of error and work of a solve.
 #[derive(Debug, Clone, PartialEq)]
 pub struct SolveSettings {
     /// Solver to use.
     pub solver: SolverKind,
+    /// Iterations of the explicit or the literal solver, after which a base counts as converged; `None`: the explicit
+    /// solver goes on until the tolerance is met, and the literal one does [`Steps::PAPERS`].
+    pub steps: Option<Steps>,
     /// The error at which a base has converged, as estimated: see [`BaseReport::error_estimate`].
     pub tolerance: f64,
     /// Sweeps after which a base is given up as not converged; it is given up sooner if at its pace of the last
@@ -85,6 +110,7 @@ impl Default for SolveSettings {
     fn default() -> SolveSettings {
         SolveSettings {
             solver: SolverKind::default(),
+            steps: None,
             tolerance: DEFAULT_TOLERANCE,
             max_sweeps: DEFAULT_MAX_SWEEPS,
             bases: BaseSet::ALL,
@@ -130,7 +156,8 @@ pub struct BaseReport {
 /// A lattice that is no power of two in 16..=256, arrays of the wrong length, density that is not
 /// finite or outside 0..=1, class `Empty` where density is above 0 or the reverse, matter in the outer two
 /// layers, no bands or more than 64, optics outside the region where the operator is non-negative
-/// (lighting model, section 4), a tolerance outside (0, 1), zero sweeps, no bases; of the solver on the GPU,
+/// (lighting model, section 4), a tolerance outside (0, 1), zero sweeps, zero steps or steps of a solver that counts
+/// none, no bases; of the solver on the GPU,
 /// [`GpuError`]; [`SolveError::Cancelled`].
 pub fn solve(
     medium: &Medium,

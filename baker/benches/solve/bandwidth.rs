@@ -96,6 +96,7 @@ pub(crate) fn print(lattices: &[u32]) {
 fn iterate(medium: &Medium, iterations: u32) -> f64 {
     let optics = Optics { bands: vec![Optics::paper().bands[0].clone()] };
     let settings = SolveSettings {
+        steps: None,
         solver: SolverKind::Explicit,
         tolerance: 1e-12,
         max_sweeps: iterations,

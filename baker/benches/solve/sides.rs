@@ -91,7 +91,7 @@ fn find(
         _ => TOLERANCES.to_vec(),
     };
     for tolerance in tolerances {
-        let settings = SolveSettings { solver, tolerance, max_sweeps: 5000, bases };
+        let settings = SolveSettings { solver, steps: None, tolerance, max_sweeps: 5000, bases };
         let timed = || {
             let start = Instant::now();
             let solution = solve(medium, optics, &settings, &|_| Ok(())).expect("a good medium");

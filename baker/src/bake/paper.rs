@@ -34,6 +34,9 @@ pub(super) fn bake(
     let gpu = (solve.solver == SolverKind::Gpu).then(find_gpu).transpose()?;
     let mut meta = describe(&plant, &voxels, Model::Paper { optics: optics.clone() });
     meta.record(&provenance::SOLVER, solver_name(solve.solver).to_owned());
+    if let Some(steps) = solve.steps {
+        meta.record(&provenance::STEPS, steps.count(settings.lattice));
+    }
     meta.record(&provenance::TOLERANCE, solve.tolerance);
     meta.record(&provenance::MAX_SWEEPS, solve.max_sweeps);
     meta.leave_out(solve.bases.missing(), &left_out, &settings.wanted.reason);

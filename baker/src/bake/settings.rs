@@ -4,7 +4,7 @@ use flb_format::Quality;
 use flb_format::bases::BaseSet;
 use flb_format::light::{FieldKind, Light, LightError, SunBasis};
 use flb_format::sample::SOLID_OFFSET;
-use flb_transport::lattice::{DEFAULT_MAX_SWEEPS, SolveSettings, SolverKind};
+use flb_transport::lattice::{DEFAULT_MAX_SWEEPS, SolveSettings, SolverKind, Steps};
 use flb_transport::ordinates::{Backend, Ordinates, OrdinatesSettings, rays_for};
 
 use crate::crown::LeafAngleChoice;
@@ -82,9 +82,12 @@ pub enum ModelSettings {
 }
 
 impl ModelSettings {
-    /// Settings of a quality, of the default model.
+    /// Settings of a quality, of its model: the default one but for [`Quality::Papers`].
     pub fn of(quality: Quality) -> ModelSettings {
-        ModelSettings::Physical(PhysicalSettings::of(quality))
+        match quality {
+            Quality::Papers => ModelSettings::Paper(PaperSettings::of(quality)),
+            _ => ModelSettings::Physical(PhysicalSettings::of(quality)),
+        }
     }
 
     /// Has a bake return what it solved as well, where the model can: [`Baked::cloud`](super::Baked::cloud).
@@ -127,6 +130,8 @@ pub struct PhysicalSettings {
 pub struct PaperSettings {
     /// Solver to use.
     pub solver: SolverKind,
+    /// A fixed number of iterations, in place of a tolerance.
+    pub steps: Option<Steps>,
     /// Estimated relative L2 error at which a solve has converged.
     pub tolerance: f64,
     /// Sweeps after which a solve is given up.
@@ -140,13 +145,14 @@ impl Default for BakeSettings {
 }
 
 impl BakeSettings {
-    /// Settings of a quality, with the `physical` model. Its coding is `flb_packer::EncodeSettings::of`.
+    /// Settings of a quality, with the `physical` model, but that [`Quality::Papers`] is of the papers'. Its coding is
+    /// `flb_packer::EncodeSettings::of`.
     pub fn of(quality: Quality) -> BakeSettings {
         BakeSettings {
             lattice: if quality == Quality::Draft { 32 } else { 128 },
             // Light on the mesh is the same with more: `flb judge`.
             voxels: if quality == Quality::Draft { 512 } else { 1024 },
-            ignore_alpha: false,
+            ignore_alpha: quality == Quality::Papers,
             wanted: Wanted::default(),
             model: ModelSettings::of(quality),
         }
@@ -165,7 +171,7 @@ impl PhysicalSettings {
         // The light scattered once brings more than harmonics do.
         let degree = match quality {
             Quality::Draft => 1,
-            Quality::Standard => 2,
+            Quality::Standard | Quality::Papers => 2,
             Quality::Fine | Quality::Reference => 3,
         };
         PhysicalSettings {
@@ -177,7 +183,7 @@ impl PhysicalSettings {
             leaf_angles: LeafAngleChoice::Measured,
             tolerance: match quality {
                 Quality::Draft => 1e-2,
-                Quality::Standard | Quality::Fine => 2e-3,
+                Quality::Standard | Quality::Fine | Quality::Papers => 2e-3,
                 Quality::Reference => 1e-3,
             },
             max_passes: DEFAULT_MAX_SWEEPS,
@@ -214,15 +220,22 @@ impl PaperSettings {
     pub fn of(quality: Quality) -> PaperSettings {
         let tolerance = match quality {
             Quality::Draft => 1e-3,
-            Quality::Standard | Quality::Fine => 1e-4,
+            Quality::Standard | Quality::Fine | Quality::Papers => 1e-4,
             Quality::Reference => 1e-5,
         };
-        PaperSettings { solver: SolverKind::Sweep, tolerance, max_sweeps: DEFAULT_MAX_SWEEPS }
+        let is_papers = quality == Quality::Papers;
+        PaperSettings {
+            solver: if is_papers { SolverKind::Explicit } else { SolverKind::Sweep },
+            steps: is_papers.then_some(Steps::PAPERS),
+            tolerance,
+            max_sweeps: DEFAULT_MAX_SWEEPS,
+        }
     }
 
     /// The solve of these bases.
     pub fn solve(&self, bases: BaseSet) -> SolveSettings {
-        SolveSettings { solver: self.solver, tolerance: self.tolerance, max_sweeps: self.max_sweeps, bases }
+        let PaperSettings { solver, steps, tolerance, max_sweeps } = *self;
+        SolveSettings { solver, steps, tolerance, max_sweeps, bases }
     }
 }
 
@@ -260,6 +273,10 @@ mod tests {
     #[test]
     fn the_default_is_the_product_s() {
         assert_eq!(BakeSettings::default(), BakeSettings::of(Quality::Standard));
+        let papers = BakeSettings::of(Quality::Papers);
+        assert!(papers.ignore_alpha && (papers.lattice, papers.voxels) == (128, 1024));
+        let ModelSettings::Paper(paper) = papers.model else { panic!("the papers' model") };
+        assert_eq!((paper.solver, paper.steps), (SolverKind::Explicit, Some(Steps::PAPERS)));
         let ModelSettings::Physical(physical) = BakeSettings::default().model else {
             panic!("the other model")
         };

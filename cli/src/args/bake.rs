@@ -43,6 +43,10 @@ pub(crate) struct BakeArgs {
     /// Estimated error (relative L2 over the plant) at which a solve has converged [default: the preset's]
     #[arg(long, value_name = "T")]
     pub tolerance: Option<f64>,
+    /// Do N iterations of the papers whatever the error is by then, which is no loss; `paper` only, by the solvers
+    /// explicit (the default here) and literal [default: none; twice the lattice's edge with --quality papers]
+    #[arg(long, value_name = "N", conflicts_with = "tolerance")]
+    pub steps: Option<u32>,
     /// Sweeps after which a solve gives up
     #[arg(long, default_value_t = flb_transport::lattice::DEFAULT_MAX_SWEEPS, value_name = "N")]
     pub max_sweeps: u32,
@@ -80,7 +84,7 @@ pub(crate) struct BakeArgs {
 
 #[derive(Clone, Copy, PartialEq, Eq, ValueEnum)]
 pub(crate) enum SolverArg {
-    /// The fastest one: `sweep`
+    /// The fastest one: `sweep`; with --steps `explicit`
     Auto,
     /// Gauss-Seidel sweeps over non-empty sites, f32
     Sweep,

@@ -9,7 +9,7 @@ use crate::exit::{Failure, USAGE};
 
 #[derive(Args, Clone)]
 pub(crate) struct CodingArgs {
-    /// Codec of the light [default: classed; haar-paper where --threshold is given]
+    /// Codec of the light [default: classed; haar-paper where --threshold or --quality papers is given]
     #[arg(long, value_enum)]
     pub codec: Option<Codec>,
     /// Code to this peak signal to noise of samples at surfaces, of each base to its own peak; of classed and haar
@@ -50,14 +50,15 @@ impl CodingArgs {
     }
 
     /// The codec that the flags ask for.
-    pub(crate) fn codec(&self) -> Codec {
-        let usual = if self.threshold.is_some() { Codec::HaarPaper } else { Codec::Classed };
+    pub(crate) fn codec(&self, quality: Quality) -> Codec {
+        let is_papers = self.threshold.is_some() || quality == Quality::Papers;
+        let usual = if is_papers { Codec::HaarPaper } else { Codec::Classed };
         self.codec.unwrap_or(usual)
     }
 
     /// What the flags ask for, and the preset where they do not.
     pub(crate) fn settings(&self, quality: Quality) -> Result<EncodeSettings, Failure> {
-        let codec = self.codec();
+        let codec = self.codec(quality);
         let preset = EncodeSettings::of(quality, codec);
         let refuse = |message: String| Err(Failure::new(USAGE, message));
         if codec != Codec::HaarPaper && self.threshold.is_some() {

@@ -9,9 +9,9 @@ use flb_transport::ordinates::NamedSuns;
 /// Which model, and how it stores light.
 #[derive(Args, Clone)]
 pub(crate) struct ModelArgs {
-    /// Light transport model
-    #[arg(long, value_enum, default_value_t)]
-    pub model: ModelArg,
+    /// Light transport model [default: physical; paper with --quality papers]
+    #[arg(long, value_enum)]
+    pub model: Option<ModelArg>,
     /// How the stored light depends on the sun; `physical` only [default: the preset's]
     #[arg(long, value_enum)]
     pub suns: Option<NamedSuns>,
@@ -38,10 +38,9 @@ pub(crate) struct ModelArgs {
     pub monte_carlo: u8,
 }
 
-#[derive(Clone, Copy, PartialEq, Eq, Default, ValueEnum)]
+#[derive(Clone, Copy, PartialEq, Eq, ValueEnum)]
 pub(crate) enum ModelArg {
     /// Extinction measured on the mesh, surfaces from data, directions marched through the plant
-    #[default]
     Physical,
     /// The lattice-Boltzmann model of Steele and Geist (2009), with the points that it leaves open settled as
     /// docs/lighting-model.md says

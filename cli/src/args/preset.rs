@@ -3,6 +3,7 @@
 use flb_baker::bake::{BakeSettings, PaperSettings, PhysicalSettings};
 use flb_format::Quality;
 use flb_packer::CodingPreset;
+use flb_transport::lattice::Steps;
 use flb_transport::ordinates::NamedSuns;
 
 /// A quality as the values of flags.
@@ -60,6 +61,20 @@ impl Preset {
     }
 }
 
+/// What `--help` says of `--quality papers`.
+fn papers() -> String {
+    let BakeSettings { lattice, voxels, .. } = BakeSettings::of(Quality::Papers);
+    let CodingPreset { threshold, .. } = CodingPreset::of(Quality::Papers);
+    let Some(Steps::PerEdge(steps)) = PaperSettings::of(Quality::Papers).steps else {
+        unreachable!("a test reads the help")
+    };
+    format!(
+        " papers: --model paper --lattice {lattice} --voxels {voxels} --ignore-alpha --solver explicit --steps {} --codec \
+         haar-paper --threshold {threshold}",
+        steps * lattice
+    )
+}
+
 /// What `--help` says of `--quality`: every preset as the flags that it stands for.
 pub(super) fn help() -> String {
     let mut text = "What these flags are unless they are given (a plan's lattice goes first):".to_owned();
@@ -72,8 +87,7 @@ pub(super) fn help() -> String {
              --cut-sites={cut};"
         );
     }
-    text.pop();
-    text + " [default: standard]"
+    text + &papers() + " [default: standard]"
 }
 
 #[cfg(test)]
@@ -94,6 +108,14 @@ mod tests {
             let fits = |line: &str| line.starts_with(&begins) && line.ends_with(&row);
             assert!(page.lines().any(fits), "docs/book/src/settings.md has no row {begins}{row}");
         }
+    }
+
+    #[test]
+    fn the_papers_preset_is_in_the_help_and_in_the_book() {
+        let flags = "--model paper --lattice 128 --voxels 1024 --ignore-alpha --solver explicit --steps 256 --codec haar-paper --threshold 0.05";
+        assert!(help().contains(&format!(" papers: {flags} [default: standard]")), "{}", help());
+        let page = include_str!("../../../docs/book/src/settings.md");
+        assert!(page.replace('\n', " ").contains(flags), "docs/book/src/settings.md lacks {flags}");
     }
 
     #[test]

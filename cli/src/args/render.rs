@@ -13,6 +13,15 @@ use flb_stage::backend::GpuCount;
 
 use super::{BandArgs, MemoryArgs, SceneLightArgs, SkyArgs};
 
+/// Content of the pictures of a scene.
+#[derive(Clone, Copy, PartialEq, Eq, clap::ValueEnum)]
+pub(crate) enum ShowArg {
+    /// Light, or the parts of it that --indirect says
+    Light,
+    /// Scene light by itself, on the CPU
+    Global,
+}
+
 #[derive(Args)]
 pub(crate) struct RenderArgs {
     /// A .flb file, or its URL (http, https, s3); or a scene (.toml)
@@ -61,7 +70,8 @@ pub(crate) struct RenderArgs {
     pub sky: SkyArgs,
     #[command(flatten)]
     pub bands: BandArgs,
-    /// Factor on all indirect light [default: 0.5; the papers have 1]; `paper` files only
+    /// Factor on all indirect light [default: 0.5; 1, as in the papers, of files of `--quality papers`]; `paper` files
+    /// only
     #[arg(long, value_name = "F")]
     pub indirect_scale: Option<f32>,
     /// Render with the light of this file too, and show both pictures and their difference, for each sun
@@ -83,6 +93,10 @@ pub(crate) struct RenderArgs {
     /// Show the indirect light or not, or nothing but it
     #[arg(long, value_enum, default_value_t = Indirect::On)]
     pub indirect: Indirect,
+    /// What pictures of a scene show: light, or in grey how much of each plant's own light its neighbours leave and add,
+    /// 1 being white
+    #[arg(long, value_enum, default_value_t = ShowArg::Light, conflicts_with = "indirect")]
+    pub show: ShowArg,
     /// Where the camera stands: azimuth and elevation seen from the plant, degrees [default: 180,8]; a scene has its
     /// own camera
     #[arg(long, value_name = "AZIMUTH,ELEVATION", value_parser = angle_pair, allow_hyphen_values = true)]

@@ -1,8 +1,9 @@
 //! What follows from the model that `flb bake` is asked for: its settings, the flags that it refuses, and what is said.
 
 use flb_baker::bake::{ModelSettings, PaperSettings, PhysicalSettings};
+use flb_format::Quality;
 use flb_format::light::FieldKind;
-use flb_transport::lattice::{SolverKind, find_gpu};
+use flb_transport::lattice::{SolverKind, Steps, find_gpu};
 use flb_transport::ordinates::{Backend, MAX_RAYS, NamedSuns};
 
 use super::limits::{check_end, ordinates_of};
@@ -11,9 +12,17 @@ use crate::classes::MeshReader;
 use crate::exit::{Failure, USAGE};
 use crate::print::say;
 
+/// The model of `--model`, else of `--quality`.
+fn model_of(args: &BakeArgs) -> ModelArg {
+    args.model.model.unwrap_or(match ModelSettings::of(args.quality()) {
+        ModelSettings::Physical(_) => ModelArg::Physical,
+        ModelSettings::Paper(_) => ModelArg::Paper,
+    })
+}
+
 /// Model and solve. Refuses flags of the other model.
 pub(crate) fn settings(args: &BakeArgs) -> Result<ModelSettings, Failure> {
-    Ok(match args.model.model {
+    Ok(match model_of(args) {
         ModelArg::Physical => ModelSettings::Physical(physical(args)?),
         ModelArg::Paper => ModelSettings::Paper(paper(args)?),
     })
@@ -25,9 +34,24 @@ fn paper(args: &BakeArgs) -> Result<PaperSettings, Failure> {
         return Err(Failure::new(USAGE, message));
     }
     let preset = PaperSettings::of(args.quality());
+    // A tolerance, a GPU or sweeps end a solve in another way than the papers'.
+    let is_ended = args.tolerance.is_some() || on_gpu(args) || args.solver == SolverArg::Sweep;
+    let steps = args.steps.map(Steps::Count).or(preset.steps.filter(|_| !is_ended));
+    if args.steps == Some(0) {
+        return Err(Failure::new(USAGE, "--steps is 0, expected 1 or more"));
+    }
+    if args.steps.is_some() && is_ended {
+        let found = if on_gpu(args) { "--backend gpu" } else { "--solver sweep" };
+        let message = format!(
+            "--steps with {found}, which goes until the tolerance is met: expected --solver explicit or literal"
+        );
+        return Err(Failure::new(USAGE, message));
+    }
     Ok(PaperSettings {
+        steps,
         solver: match args.solver {
             SolverArg::Auto if on_gpu(args) => SolverKind::Gpu,
+            SolverArg::Auto if steps.is_some() => SolverKind::Explicit,
             SolverArg::Auto | SolverArg::Sweep => SolverKind::Sweep,
             SolverArg::Explicit => SolverKind::Explicit,
             SolverArg::Literal => SolverKind::Literal,
@@ -43,6 +67,14 @@ fn physical(args: &BakeArgs) -> Result<PhysicalSettings, Failure> {
     if args.solver != SolverArg::Auto {
         let message = "--solver is for --model paper; the physical model has one solver";
         return refuse(message.to_owned());
+    }
+    if args.steps.is_some() {
+        return refuse(
+            "--steps is for --model paper; the physical model goes until its tolerance is met".to_owned(),
+        );
+    }
+    if args.quality == Some(Quality::Papers) {
+        return refuse("--quality papers is of the papers' model, not of --model physical".to_owned());
     }
     let preset = PhysicalSettings::of(args.quality());
     let ordinates = match flags.ordinates {
@@ -71,7 +103,7 @@ fn physical(args: &BakeArgs) -> Result<PhysicalSettings, Failure> {
 
 /// The flag that asks for light without a part that was scattered alone, if one does.
 pub(crate) fn without_scattered_light(args: &BakeArgs) -> Option<&'static str> {
-    match args.model.model {
+    match model_of(args) {
         ModelArg::Paper => Some("--model paper"),
         ModelArg::Physical => (args.model.field == Some(FieldKind::Total)).then_some("--field total"),
     }
@@ -105,7 +137,7 @@ pub(crate) fn say_device(args: &BakeArgs) -> Result<(), Failure> {
 
 /// Whether the light depends on the colours of the plant's textures.
 pub(crate) fn follows_colors(args: &BakeArgs) -> bool {
-    match args.model.model {
+    match model_of(args) {
         ModelArg::Physical => true,
         ModelArg::Paper => false,
     }
@@ -116,7 +148,7 @@ pub(crate) fn say_other_model(args: &BakeArgs, reader: &MeshReader) {
     let Some((species, path)) = reader.plants.species.as_ref().zip(args.mesh.species.as_deref()) else {
         return;
     };
-    let found = match args.model.model {
+    let found = match model_of(args) {
         ModelArg::Physical if species.surfaces.is_none() && species.optics.is_some() => {
             "its [[optics]] are for --model paper, and it has no [[surfaces]]: baking with those of common leaves and bark"
         }

@@ -33,7 +33,7 @@ pub(crate) fn bake_settings(
     Ok(BakeSettings {
         lattice: lattice(args, planned, voxels, species)?,
         voxels,
-        ignore_alpha: args.ignore_alpha,
+        ignore_alpha: args.ignore_alpha || BakeSettings::of(args.quality()).ignore_alpha,
         wanted: wanted.unwrap_or_default(),
         model: model::settings(args)?,
     })

@@ -1,6 +1,6 @@
 //! `--model physical` from bake to picture, and what it refuses.
 
-use serde_json::Value;
+use serde_json::{Value, json};
 
 use crate::flb::{Folder, PAPER, SMALL};
 use crate::schema::{self, misfits};
@@ -323,6 +323,40 @@ fn surfaces_of_a_species_file_are_used_and_kept() {
 }
 
 #[test]
+fn the_papers_preset_is_their_settings_one_by_one_and_no_loss() {
+    let folder = Folder::with_card();
+    let bake = |output: &str, more: &[&str]| {
+        let words = ["bake", "leaf-card.glb", "--lattice", "16", "--voxels", "128", "-o", output];
+        folder.flb_with(&words, more).expect_code(0);
+    };
+    bake("preset.flb", &["--quality", "papers"]);
+    let spelled =
+        "--model paper --ignore-alpha --solver explicit --steps 32 --codec haar-paper --threshold 0.05";
+    bake("spelled.flb", &spelled.split(' ').collect::<Vec<_>>());
+    assert_eq!(folder.read("preset.flb"), folder.read("spelled.flb"));
+    let words = ["bake", "leaf-card.glb", "--lattice", "16", "--voxels", "128", "-o", "again.flb", "--json"];
+    let run = folder.flb_with(&words, &["--quality", "papers"]).expect_code(0).json();
+    let solve = run["stages"].as_array().expect("a list").iter().find(|stage| stage["name"] == "solve");
+    let of_plant = &solve.expect("a stage")["solves"][0];
+    assert_eq!((&of_plant["sweeps"], &of_plant["solver"]), (&json!(32), &json!("explicit")));
+    assert_eq!(of_plant["solves"], of_plant["converged"]);
+    // The f64 iteration of the papers is lossless there, too, where its tolerance is not met.
+    bake("literal.flb", &["--quality", "papers", "--solver", "literal"]);
+    // Their indirect light counts once.
+    let draw = |light: &str, more: &[&str]| {
+        let words = ["render", light, "--mesh", "leaf-card.glb", "--sun", "90,60", "--size", "32,32"];
+        folder
+            .flb_with(&words, &[&["--samples", "1", "--force", "-o", "p.png"], more].concat())
+            .expect_code(0);
+        folder.read("p.png")
+    };
+    assert_eq!(draw("preset.flb", &[]), draw("preset.flb", &["--indirect-scale", "1"]));
+    assert_ne!(draw("preset.flb", &[]), draw("preset.flb", &["--indirect-scale", "0.5"]));
+    bake("sweep.flb", &PAPER);
+    assert_eq!(draw("sweep.flb", &[]), draw("sweep.flb", &["--indirect-scale", "0.5"]));
+}
+
+#[test]
 fn what_a_model_has_not_is_refused_before_any_work() {
     let folder = Folder::with_card();
     let refused = |more: &[&str], word: &str| {
@@ -341,8 +375,12 @@ fn what_a_model_has_not_is_refused_before_any_work() {
     ] {
         refused(&[&PAPER, flag].concat(), flag[0]);
     }
+    refused(&[&PAPER[..], &["--steps", "0"]].concat(), "--steps is 0");
+    refused(&[&PAPER[..], &["--steps", "9", "--solver", "sweep"]].concat(), "--solver sweep");
+    refused(&["--quality", "papers", "--model", "physical"], "--quality papers is of the papers' model");
     for (more, word) in [
-        (&["--ordinates", "20"][..], "expected 18, 50 or 110"),
+        (&["--steps", "9"][..], "--steps is for --model paper"),
+        (&["--ordinates", "20"], "expected 18, 50 or 110"),
         (&["--rays", "0"], "expected 1 to 8"),
         (&["--tolerance", "0"], "--tolerance is 0"),
         (&["--max-sweeps", "0"], "--max-sweeps is 0"),

@@ -258,6 +258,22 @@ fn plants_of_the_papers_model_are_scaled_by_either_factor_and_their_ground_is_le
     assert_eq!(alone, draw("said.png", &[&light[..], &["--scene-factor", "alone"]].concat()));
     let empty = draw("empty.png", &[&light[..], &["--scene-factor", "empty"]].concat());
     assert!(alone < without && empty < without && empty != alone, "{without} {alone} {empty}");
+    // Of either factor by itself: a share is white where nothing is left out, and no colour.
+    for factor in ["alone", "empty"] {
+        let name = format!("global-{factor}.png");
+        let words = ["--show", "global", "--scene-factor", factor, "--sun", "90,20", "-o", &name];
+        render(&folder, &[&light[..], &words].concat()).expect_code(0);
+        let grey = pixels(&folder.read(&name));
+        assert!(grey.chunks_exact(3).all(|rgb| rgb[0] == rgb[1] && rgb[1] == rgb[2]), "{factor}");
+        assert!(grey.iter().any(|value| *value > 60) && grey.iter().any(|value| *value < 60), "{factor}");
+    }
+    assert_ne!(folder.read("global-alone.png"), folder.read("global-empty.png"));
+    let global = ["--show", "global", "-o", "x.png"];
+    render(&folder, &global).expect_code(2).says(&["stand.toml", "no scene light", "flb bake-scene"]);
+    let on_gpu = [&light[..], &global, &["--backend", "gpu"]].concat();
+    render(&folder, &on_gpu).expect_code(2).says(&["on the CPU alone"]);
+    let both = [&light[..], &global, &["--indirect", "only"]].concat();
+    render(&folder, &both).expect_code(2).says(&["--indirect"]);
     let says = ["stand.toml", "--scene-factor needs scene light"];
     render(&folder, &["--scene-factor", "empty", "-o", "x.png"]).expect_code(2).says(&says);
     // One plant moves, and the scene alone is solved again.

@@ -4,7 +4,7 @@ use flb_format::Medium;
 use flb_format::matter::{Class, Optics};
 use flb_format::sample::site_of;
 
-use super::{SolveError, SolveSettings};
+use super::{SolveError, SolveSettings, SolverKind, Steps};
 
 /// Largest number of bands.
 pub(super) const MAX_BANDS: usize = 64;
@@ -64,6 +64,13 @@ pub(super) fn settings(settings: &SolveSettings) -> Result<(), SolveError> {
     }
     if settings.max_sweeps == 0 {
         return Err(SolveError::MaxSweeps);
+    }
+    match (settings.steps, settings.solver) {
+        (Some(Steps::Count(0) | Steps::PerEdge(0)), _) => return Err(SolveError::NoSteps),
+        (Some(_), solver @ (SolverKind::Sweep | SolverKind::Gpu)) => {
+            return Err(SolveError::Steps { solver });
+        }
+        _ => {}
     }
     if settings.bases.is_empty() {
         return Err(SolveError::NoBases);

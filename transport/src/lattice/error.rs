@@ -4,6 +4,7 @@ use flb_format::matter::Class;
 use flb_format::progress::Cancelled;
 use thiserror::Error;
 
+use super::SolverKind;
 use crate::gpu::GpuError;
 
 /// Input that cannot be solved.
@@ -103,6 +104,17 @@ pub enum SolveError {
     /// Limit of sweeps that allows no work.
     #[error("max_sweeps is 0: expected at least 1")]
     MaxSweeps,
+    /// Fixed number of iterations that is none.
+    #[error("0 steps: expected at least 1")]
+    NoSteps,
+    /// Fixed number of iterations for a solver that does no iterations of the papers.
+    #[error(
+        "steps for the solver {solver:?}, which goes until the tolerance is met: expected Explicit or Literal"
+    )]
+    Steps {
+        /// The solver.
+        solver: SolverKind,
+    },
     /// Empty set of bases.
     #[error("no bases to solve: expected at least one of 0 to 18")]
     NoBases,

@@ -58,12 +58,16 @@ pub(super) fn solve(
     Ok(finish(medium, bands, settings, others, reports))
 }
 
-/// Iterates until the residual is below the tolerance or no iteration is left.
+/// Iterates until the residual is below the tolerance or no iteration is left, or as often as is asked for.
 fn relax(light: &mut Light, matter: &mut SiteList, gains: &[Gain; 2], settings: &SolveSettings) -> Course {
     let mut course = Course::default();
-    for iteration in 1..=settings.max_sweeps as usize {
+    let steps = settings.steps.map(|steps| steps.count(matter.lattice as u32));
+    for iteration in 1..=steps.unwrap_or(settings.max_sweeps) as usize {
         let [change, norm] = light.update(matter, gains);
         course.note(change, norm);
+        if steps.is_some() {
+            continue;
+        }
         // Before light has crossed the lattice, residuals say nothing: what is dark yet does not change. And while it
         // goes to and fro for the first times, they rise now and then, which is no reason to give up.
         let crossed = iteration > matter.lattice + TREND_SPAN && course.is_converged(settings);

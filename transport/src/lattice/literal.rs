@@ -11,7 +11,7 @@ use rayon::prelude::*;
 
 use super::collision::{self, Matrix};
 use super::course::Course;
-use super::{Solution, SolveSettings, finish, solved_bases};
+use super::{Solution, SolveSettings, Steps, finish, solved_bases};
 
 /// Rule by which the iteration ends.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -46,7 +46,7 @@ pub fn boundary_of_base(base: u8) -> [f64; 19] {
     std::array::from_fn(|i| if i > 0 && (base == 0 || i == usize::from(base)) { 1.0 } else { 0.0 })
 }
 
-/// All bases by the literal iteration, 2 x the lattice's edge each.
+/// All bases by the literal iteration, 2 x the lattice's edge each unless other steps are asked for.
 pub(super) fn solve(
     medium: &Medium,
     optics: &Optics,
@@ -62,7 +62,8 @@ pub(super) fn solve(
         let mut field = Field::zeros(medium.grid.lattice, bands);
         for band in 0..bands {
             progress((at as f64 * f64::from(bands) + f64::from(band)) / total)?;
-            let until = Until::Count(2 * medium.grid.lattice);
+            let steps = settings.steps.unwrap_or(Steps::PAPERS);
+            let until = Until::Count(steps.count(medium.grid.lattice));
             let literal = iterate(medium, optics, band, &boundary_of_base(base), until);
             let values = field.values_mut()[band as usize * medium.grid.sites()..].iter_mut();
             values.zip(&literal.phi).for_each(|(value, phi)| *value = *phi as f32);

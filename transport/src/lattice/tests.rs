@@ -10,7 +10,7 @@ use flb_format::matter::{Class, ClassOptics, Optics};
 use flb_format::progress::Cancelled;
 
 use super::literal::{self, Until, boundary_of_base};
-use super::{Solution, SolveSettings, SolverKind, media, solve, sweep};
+use super::{Solution, SolveSettings, SolverKind, Steps, media, solve, sweep};
 
 /// What f32 rounding leaves between two ways to the same fixed point; the worst site is in deep shade.
 const F32_RELATIVE: f64 = 2e-5;
@@ -90,6 +90,38 @@ fn explicit_reaches_the_oracles_fixed_point() {
         // It creeps: a residual of 1e-7 per iteration is more than that at sites in deep shade.
         assert!(rms < 1e-5 && worst < 5e-4, "base {base}: rms {rms:e}, worst {worst:e}");
     }
+}
+
+/// Of the model's own light, rms over sites of matter: what is not settled yet in wood, and in empty sites.
+const FIXED_STEPS: f64 = 2e-4;
+
+#[test]
+fn fixed_steps_are_done_to_the_last_and_are_no_loss() {
+    let medium = media::tree(16, 3);
+    for (steps, count) in [(Steps::Count(5), 5), (Steps::PAPERS, 32), (Steps::PerEdge(4), 64)] {
+        let of = |solver| {
+            let settings = SolveSettings { solver, steps: Some(steps), ..tight() };
+            solve(&medium, &one_band(1), &settings, &quiet).unwrap()
+        };
+        let [explicit, literal] = [SolverKind::Explicit, SolverKind::Literal].map(of);
+        for (one, other) in explicit.reports.iter().zip(&literal.reports) {
+            assert_eq!((one.sweeps, other.sweeps), (count, count));
+            assert!(one.converged && other.converged);
+        }
+        if count < 32 {
+            continue;
+        }
+        for base in [0, 1, 8, 18] {
+            let [found, expected] = [&explicit, &literal].map(|all| all.bases[base].1.band(0));
+            let expected: Vec<f64> = expected.iter().map(|phi| f64::from(*phi)).collect();
+            let (_, rms) = differences(&medium, &found, &expected);
+            assert!(rms < FIXED_STEPS, "{steps:?}, base {base}: {rms:e}");
+        }
+    }
+    // The literal solver does the papers' steps unasked; that they do not meet the tolerance is a loss then.
+    let settings = SolveSettings { solver: SolverKind::Literal, ..tight() };
+    let unasked = solve(&medium, &one_band(1), &settings, &quiet).unwrap();
+    assert!(unasked.reports.iter().all(|report| report.sweeps == 32) && !unasked.reports[1].converged);
 }
 
 #[test]

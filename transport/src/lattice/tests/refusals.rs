@@ -3,7 +3,7 @@
 use flb_format::bases::BaseSet;
 use flb_format::matter::{Class, Optics};
 
-use super::super::{SolveError, SolveSettings, media, solve};
+use super::super::{SolveError, SolveSettings, SolverKind, Steps, media, solve};
 use super::{one_band, quiet};
 
 fn message(medium: &flb_format::Medium, optics: &Optics, settings: &SolveSettings) -> String {
@@ -66,6 +66,14 @@ fn settings_that_can_never_be_met_are_refused() {
     }
     let settings = SolveSettings { max_sweeps: 0, ..SolveSettings::default() };
     assert_eq!(solve(&medium, &one_band(0), &settings, &quiet), Err(SolveError::MaxSweeps));
+    let explicit = SolveSettings { solver: SolverKind::Explicit, ..SolveSettings::default() };
+    for steps in [Steps::Count(0), Steps::PerEdge(0)] {
+        let settings = SolveSettings { steps: Some(steps), ..explicit.clone() };
+        assert_eq!(solve(&medium, &one_band(0), &settings, &quiet), Err(SolveError::NoSteps));
+    }
+    let settings = SolveSettings { steps: Some(Steps::PAPERS), ..SolveSettings::default() };
+    let found = message(&medium, &one_band(0), &settings);
+    assert!(found.contains("Sweep") && found.contains("expected Explicit or Literal"), "{found}");
     let settings = SolveSettings { bases: BaseSet::NONE, ..SolveSettings::default() };
     assert_eq!(solve(&medium, &one_band(0), &settings, &quiet), Err(SolveError::NoBases));
 }
