@@ -170,8 +170,7 @@ fn summary(
     bytes: u64,
     stages: Vec<Stage>,
 ) -> Summary {
-    let sites_nonempty =
-        |entry: &SpeciesFields| entry.turbid.as_ref().map_or(0, |turbid| turbid.sites().len());
+    let sites_nonempty = |entry: &SpeciesFields| entry.medium.nonempty_sites();
     let ground_left_out = scene.is_ground_left_out();
     let species = baked.species.iter().zip(&scene.plants).enumerate().map(|(index, (alone, plant))| {
         let grid = &alone.fields.meta.grid;

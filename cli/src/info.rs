@@ -2,6 +2,7 @@
 
 use flb_format::light::SunBasis;
 use flb_format::material_surface::Texel;
+use flb_format::matter::ClassOptics;
 use flb_inspector::info::{Info, LightInfo, SpeciesInfo, info};
 use serde::Serialize;
 
@@ -94,10 +95,11 @@ fn text(found: &Info) -> String {
                 ),
             ),
             ("made by", species.tool.clone()),
+            ("settings", settings(species)),
         ];
         let light = species.light.iter().flat_map(light_rows);
         let colours = species.light.is_some().then(|| ("colours", colours(species)));
-        let rows = rows.into_iter().chain(colours).chain(light);
+        let rows = rows.into_iter().chain(matter(species)).chain(colours).chain(light);
         rows.for_each(|(key, value)| text += &line!("  {key:<10} {value}"));
     }
     let mut rows =
@@ -114,6 +116,44 @@ fn text(found: &Info) -> String {
         ]
     }));
     text + "\n" + &print::table(&rows)
+}
+
+/// Bands that a table shows one by one; of more, `--json` tells.
+const MAX_BAND_ROWS: usize = 6;
+
+/// What leaf and wood do to light in each band.
+fn matter(species: &SpeciesInfo) -> Vec<(&'static str, String)> {
+    if species.bands.len() > MAX_BAND_ROWS {
+        return vec![("matter", format!("of {} bands: see --json", species.bands.len()))];
+    }
+    let optics = species.optics.iter().flat_map(|optics| &optics.bands).map(|band| {
+        let of = |class: &ClassOptics| format!("absorbs {}, g {}", digits(class.sigma_a), digits(class.g));
+        ("optics", format!("{}: leaf {}; wood {}", band.name, of(&band.leaf), of(&band.wood)))
+    });
+    let surfaces = species.surfaces.iter().flat_map(|surfaces| &surfaces.bands).map(|band| {
+        let [reflected, transmitted, wood] =
+            [band.leaf.reflectance, band.leaf.transmittance, band.wood.reflectance].map(digits);
+        let text = format!(
+            "{}: leaf reflects {reflected}, transmits {transmitted}; wood reflects {wood}",
+            band.name
+        );
+        ("surfaces", text)
+    });
+    optics.chain(surfaces).collect()
+}
+
+/// Rounded to four places.
+fn digits(value: f64) -> f64 {
+    libm::round(1e4 * value) / 1e4
+}
+
+/// How the species was made, but for what other rows say.
+fn settings(species: &SpeciesInfo) -> String {
+    let is_told =
+        |key: &str| ["import.", "voxelise.", "solve.", "scene."].iter().any(|prefix| key.starts_with(prefix));
+    let told = species.settings.iter().filter(|(key, value)| is_told(key) && !value.is_array());
+    let told: Vec<String> = told.map(|(key, value)| format!("{key} {value}")).collect();
+    if told.is_empty() { "none recorded".to_owned() } else { told.join(", ") }
 }
 
 /// The codec, what it was asked for, and what it lost.

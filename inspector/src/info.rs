@@ -1,13 +1,17 @@
 //! What a file holds, as a value: for the command line's table and its JSON.
 
+use std::collections::BTreeMap;
+
 use flb_format::container::records::{self, SectionKey};
 use flb_format::container::verify::hexadecimal;
 use flb_format::light::{FieldKind, LightError, SunBasis};
 use flb_format::material_surface::MaterialSurface;
+use flb_format::matter::{Optics, Surfaces};
 use flb_format::mesh::MeshError;
 use flb_format::meta::LeftOut;
 use flb_format::{Codec, Container, provenance};
 use serde::Serialize;
+use serde_json::Value;
 
 /// Summary of a file.
 #[derive(Debug, Clone, PartialEq, Serialize)]
@@ -33,6 +37,10 @@ pub struct SpeciesInfo {
     pub name: String,
     /// Light transport model.
     pub model: String,
+    /// Optics per band; null for the model `physical`.
+    pub optics: Option<Optics>,
+    /// Surfaces per band; null for the model `paper`.
+    pub surfaces: Option<Surfaces>,
     /// Method, storage and error of the light; null for the model `paper`.
     pub light: Option<LightInfo>,
     /// Error of the light on its mesh, as the bake judged it; null where it did not.
@@ -79,6 +87,8 @@ pub struct SpeciesInfo {
     pub ratio: f64,
     /// Program that wrote the species.
     pub tool: String,
+    /// Settings that the writer recorded, as the file has them.
+    pub settings: BTreeMap<String, Value>,
 }
 
 /// Light of a species of the model `physical`.
@@ -167,6 +177,8 @@ fn species_info(container: &Container, index: usize) -> SpeciesInfo {
     SpeciesInfo {
         name: meta.name.clone(),
         model: meta.model.name().to_owned(),
+        optics: meta.optics().cloned(),
+        surfaces: meta.physical().map(|(surfaces, _)| surfaces.clone()),
         light: meta.physical().map(|(_, light)| LightInfo {
             field: light.field,
             ordinates: light.ordinates,
@@ -198,6 +210,7 @@ fn species_info(container: &Container, index: usize) -> SpeciesInfo {
         shared_bytes: 0,
         ratio: plain_bytes / base_bytes as f64,
         tool: meta.tool.clone(),
+        settings: meta.settings.iter().map(|(key, value)| (key.clone(), value.clone())).collect(),
     }
 }
 
@@ -250,6 +263,11 @@ mod tests {
             ["physical", "physical", "paper"]
         );
         assert!(paper["light"].is_null() && paper["bands"] == serde_json::json!(["R"]));
+        assert!(paper["surfaces"].is_null() && harmonics["optics"].is_null());
+        assert_eq!(paper["optics"][0]["name"], "R");
+        assert!(paper["optics"][0]["leaf"]["sigma_a"].is_number());
+        assert!(harmonics["surfaces"].is_array() || harmonics["surfaces"].is_object());
+        assert!(harmonics["settings"].is_object());
         let light = &harmonics["light"];
         let suns = serde_json::json!({"kind": "harmonics", "degree": 1, "reaches": [1, 3, 8]});
         assert_eq!((&light["suns"], &light["sun_fields"]), (&suns, &serde_json::json!(8)));

@@ -143,7 +143,11 @@ impl SceneLight {
             light: self,
             species: species.into_iter().map(|name| self.find_species(name)).collect(),
             scene: self.scene.near(),
-            alone: self.alone.iter().map(|(_, coarse)| coarse.near()).collect(),
+            // An empty scene's light needs none of them.
+            alone: match self.factor {
+                SceneFactor::Alone => self.alone.iter().map(|(_, coarse)| coarse.near()).collect(),
+                SceneFactor::Empty => Vec::new(),
+            },
         }
     }
 }

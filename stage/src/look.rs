@@ -16,7 +16,7 @@ pub enum SceneShow {
     #[default]
     Light,
     /// Scene light by itself, in grey: the light that plants have among their neighbours over the light that they have
-    /// alone, the sun and the sky together; 1 is white.
+    /// alone, the sun and the sky together, linear.
     Global,
 }
 

@@ -124,12 +124,13 @@ impl<'s> SceneRenderer<'s> {
             let bare =
                 light::of_plants(light, skies.as_ref(), placements, &lighting, None, self.look.samples)?;
             let bare = LightCursors::new(&bare);
-            return Ok(forest.marked(fragments, &|LightQuery { instance, point, facing }, color| {
+            let show = |LightQuery { instance, point, facing }: LightQuery, color: &mut [f32; 3]| {
                 let [mut among, mut alone] = [[0.0; 3]; 2];
                 cursors.at_facing(instance as usize, point, facing, &mut among);
                 bare.at_facing(instance as usize, point, facing, &mut alone);
                 *color = [share(among, alone); 3];
-            }));
+            };
+            return Step::Relight.run(observer, &subject, |_| Ok(forest.marked(fragments, &show)));
         }
         let light = |LightQuery { instance, point, facing }: LightQuery, phi: &mut [f32; 3]| {
             cursors.at_facing(instance as usize, point, facing, phi);

@@ -323,15 +323,15 @@ pub fn bake_scene(
         species.push(BakedAlone { fields, factor: crown.factor, site_widths, cached });
     }
     let factors: Vec<f64> = species.iter().map(|alone| alone.factor).collect();
-    let surfaces: Option<Vec<BandSurfaces>> =
-        scene.plants.iter().map(|plant| plant.surfaces().cloned()).collect();
-    let (stand, ground_sites) = match surfaces {
-        Some(surfaces) => {
+    let (stand, ground_sites) = match transport {
+        SceneTransport::Ordinates(field) => {
+            let surfaces: Vec<BandSurfaces> =
+                scene.plants.iter().filter_map(ScenePlant::surfaces).cloned().collect();
             let stand = baking.merge("", || Ok(scenery.stand(&factors, &surfaces)))?;
             let ground_sites = stand.is_ground.iter().filter(|is_ground| **is_ground).count();
-            (baking.stand(&stand, transport, &scene.digest)?, ground_sites)
+            (baking.stand(&stand, field, &scene.digest)?, ground_sites)
         }
-        None => {
+        SceneTransport::Lattice => {
             let turbid = baking.merge("", || Ok(scenery.matter(&factors)))?;
             let optics: Vec<BandOptics> =
                 scene.plants.iter().filter_map(ScenePlant::optics).cloned().collect();
@@ -384,16 +384,7 @@ impl Baking<'_> {
         }
     }
 
-    fn stand(
-        &mut self,
-        stand: &Stand,
-        transport: SceneTransport,
-        digest: &str,
-    ) -> Result<SpeciesFields, BakeError> {
-        let field = match transport {
-            SceneTransport::Ordinates(field) => field,
-            SceneTransport::Lattice => FieldKind::Total,
-        };
+    fn stand(&mut self, stand: &Stand, field: FieldKind, digest: &str) -> Result<SpeciesFields, BakeError> {
         let role = Role::Scene { digest: digest.to_owned() };
         let source = LightSource {
             turbid: &stand.turbid,

@@ -93,8 +93,7 @@ pub(crate) struct RenderArgs {
     /// Show the indirect light or not, or nothing but it
     #[arg(long, value_enum, default_value_t = Indirect::On)]
     pub indirect: Indirect,
-    /// What pictures of a scene show: light, or in grey how much of each plant's own light its neighbours leave and add,
-    /// 1 being white
+    /// What pictures of a scene show: light, or in grey how much of each plant's own light its neighbours leave and add
     #[arg(long, value_enum, default_value_t = ShowArg::Light, conflicts_with = "indirect")]
     pub show: ShowArg,
     /// Where the camera stands: azimuth and elevation seen from the plant, degrees [default: 180,8]; a scene has its

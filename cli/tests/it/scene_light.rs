@@ -244,6 +244,9 @@ fn plants_of_the_papers_model_are_scaled_by_either_factor_and_their_ground_is_le
     fits("bake-scene", &run);
     assert_eq!((&run["ground_left_out"], &run["suns_rms"]), (&json!(true), &Value::Null));
     assert_eq!((&run["ground_sites"], &run["converged"]), (&json!(0), &json!(true)));
+    for sites in [&run["sites_nonempty"], &run["species"][0]["sites_nonempty"]] {
+        assert!(sites.as_u64().is_some_and(|sites| sites > 10), "{sites}");
+    }
     bake("one.flb", &["--threads", "1"]);
     assert_eq!(folder.read("stand.flb"), folder.read("one.flb"));
     folder.flb(&["validate", "stand.flb"]).expect_code(0);
