@@ -344,7 +344,7 @@ fn the_papers_preset_is_their_settings_one_by_one_and_no_loss() {
     bake("literal.flb", &["--quality", "papers", "--solver", "literal"]);
     // Their indirect light counts once.
     let draw = |light: &str, more: &[&str]| {
-        let words = ["render", light, "--mesh", "leaf-card.glb", "--sun", "90,60", "--size", "32,32"];
+        let words = ["render", light, "--mesh", "leaf-card.glb", "--sun", "90,60", "--size", "32x32"];
         folder
             .flb_with(&words, &[&["--samples", "1", "--force", "-o", "p.png"], more].concat())
             .expect_code(0);
