@@ -144,6 +144,8 @@ struct Usage {
     /// Mean scale of its instances; 1 without any.
     scale: f64,
     grains: Vec<Grain>,
+    /// Optical area of the grains, m^2: leaf, wood.
+    area_m2: [f64; 2],
 }
 
 impl<'a> Scenery<'a> {
@@ -179,7 +181,9 @@ impl<'a> Scenery<'a> {
                     (count + 1.0, sum + one.transform.scale, largest.max(one.transform.scale));
             }
             let [scale, largest] = if count > 0.0 { [sum / count, largest] } else { [1.0; 2] };
-            Usage { scale, grains: grains::grains(plants[species].turbid, GRAIN * grid.spacing_m / largest) }
+            let grains = grains::grains(plants[species].turbid, GRAIN * grid.spacing_m / largest);
+            let area_m2 = [0, 1].map(|kind| grains.iter().map(|grain| grain.area_m2[kind]).sum());
+            Usage { scale, grains, area_m2 }
         });
         let usage = usage.collect();
         Ok(Scenery { plants, instances, ground, grid, usage })
@@ -198,7 +202,7 @@ impl<'a> Scenery<'a> {
     /// # Panics
     /// If there is no such species.
     pub fn alone(&self, species: usize) -> Result<Crown, SceneLightError> {
-        let Usage { scale, grains } = &self.usage[species];
+        let Usage { scale, grains, .. } = &self.usage[species];
         alone::alone(&self.plants[species], grains, self.grid.spacing_m / scale)
     }
 
@@ -258,7 +262,7 @@ impl Usage {
     /// Optical area of an instance, m^2: leaf, wood. It grows with the square of its scale.
     fn area_m2(&self, factor: f64, instance: &Placement) -> [f64; 2] {
         let larger = factor * instance.transform.scale * instance.transform.scale;
-        [0, 1].map(|kind| larger * self.grains.iter().map(|grain| grain.area_m2[kind]).sum::<f64>())
+        self.area_m2.map(|area| larger * area)
     }
 }
 

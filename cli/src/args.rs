@@ -38,7 +38,7 @@ pub(crate) use coding::CodingArgs;
 pub(crate) use judge::JudgeArgs;
 pub(crate) use model::{ModelArg, ModelArgs};
 pub(crate) use plan::PlanArgs;
-pub(crate) use render::{RenderArgs, RenderBackendArg, ShowArg};
+pub(crate) use render::{RenderArgs, RenderBackendArg};
 pub(crate) use scatter::{ScatterArgs, SpeciesArg};
 pub(crate) use scene::SceneArgs;
 pub(crate) use scene_light::SceneLightArgs;

@@ -17,7 +17,7 @@ use flb_stage::{
 };
 use serde::Serialize;
 
-use crate::args::{BandArgs, MemoryArgs, RenderArgs, RenderBackendArg, SceneLightArgs, ShowArg};
+use crate::args::{BandArgs, MemoryArgs, RenderArgs, RenderBackendArg, SceneLightArgs};
 use crate::exit::{Failure, USAGE};
 use crate::inputs::{check_local, check_output_of, open, read_scene};
 use crate::memory::{check, check_plants, sampler_bytes};
@@ -101,16 +101,13 @@ pub(crate) fn run(args: &RenderArgs) -> Result<u8, Failure> {
             indirect_scale: args.indirect_scale.unwrap_or(default.indirect_scale),
             ..default
         },
-        show: match args.show {
-            ShowArg::Light => SceneShow::Light,
-            ShowArg::Global => SceneShow::Global,
-        },
+        show: args.show,
     };
     let look = SceneLook::new(&stage, &settings, sky).map_err(|error| at_scene(error.into()))?;
     let exposure = args.exposure.unwrap_or(match args.show {
-        ShowArg::Light => stage.default_exposure(),
+        SceneShow::Light => stage.default_exposure(),
         // Shares are shown as they are.
-        ShowArg::Global => 0.0,
+        SceneShow::Global => 0.0,
     });
     let look_size = look.size;
     let backend = backend(args.backend, args.gpus);

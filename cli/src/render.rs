@@ -8,11 +8,11 @@ use flb_render::picture::{SHEET_GAP, contact_sheet};
 use flb_render::{Look, Portrait, Shading};
 use flb_scene::scene::SceneSky;
 use flb_scene::{ClassedMesh, Step};
-use flb_stage::StageSky;
 use flb_stage::alone::{PlantLook, PlantRenderer};
 use flb_stage::plant::PlantLight;
+use flb_stage::{SceneShow, StageSky};
 
-use crate::args::{RenderArgs, RenderBackendArg, ShowArg};
+use crate::args::{RenderArgs, RenderBackendArg};
 use crate::exit::{Failure, USAGE};
 use crate::inputs::{check_output_of, choose_species, open};
 use crate::memory::{check, sampler_bytes};
@@ -75,7 +75,7 @@ pub(crate) fn run(args: &RenderArgs) -> Result<u8, Failure> {
     if args.gpus.is_some() {
         return Err(Failure::new(USAGE, "--gpus is for scenes (.toml); a single plant is drawn on the CPU"));
     }
-    if args.show != ShowArg::Light {
+    if args.show != SceneShow::Light {
         return Err(Failure::new(USAGE, "--show is for scenes (.toml); a plant alone has no neighbours"));
     }
     if let Some(flag) = args.scene_light.given() {

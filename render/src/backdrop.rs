@@ -2,13 +2,14 @@
 
 use std::f32::consts::PI;
 
+use flb_format::direction::MOVING;
 use flb_format::sky_part::SkyPart;
 use flb_scene::sky::Sky;
 use glam::Vec3;
 
 /// The ambient base of the `paper` model in empty space. The ground lies partly outside the lattice, where
 /// the field says nothing, so it gets open sky and the sun's shadow.
-pub(crate) const OPEN_SKY: f32 = 18.0;
+pub(crate) const OPEN_SKY: f32 = MOVING as f32;
 /// Linear colours of the sky at the horizon and overhead.
 pub(crate) const HORIZON: Vec3 = Vec3::new(0.60, 0.71, 0.84);
 pub(crate) const ZENITH: Vec3 = Vec3::new(0.20, 0.36, 0.66);

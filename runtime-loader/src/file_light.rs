@@ -42,6 +42,12 @@ impl FileLight {
         Ok(FileLight { path: library.path().to_owned(), species, light })
     }
 
+    /// Reads, verifies and keeps every base.
+    pub(crate) fn load_whole(library: &Library, index: usize) -> Result<FileLight, RuntimeError> {
+        let bases: Vec<u8> = known_species(library, index)?.bases.iter().map(|base| base.base).collect();
+        FileLight::load(library, index, &bases)
+    }
+
     /// What is there.
     pub(crate) fn light(&self) -> &ResidentSpecies {
         &self.light

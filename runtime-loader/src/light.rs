@@ -61,8 +61,7 @@ impl SpeciesLight<'static> {
     /// # Errors
     /// [`RuntimeError::NoSuchSpecies`]; [`RuntimeError::Format`] for a page that fails its checks.
     pub fn load(library: &Library, species: usize) -> Result<SpeciesLight<'static>, RuntimeError> {
-        let bases: Vec<u8> = known_species(library, species)?.bases.iter().map(|base| base.base).collect();
-        Ok(SpeciesLight::of_file(FileLight::load(library, species, &bases)?))
+        Ok(SpeciesLight::of_file(FileLight::load_whole(library, species)?))
     }
 
     /// Loads no more bases than these suns (directions in the model's frame, any length) and, if there is one, the sky
@@ -192,9 +191,7 @@ impl<'r> SpeciesLight<'r> {
     /// Sums that the near beams of all suns share, for [`InstanceLight::prepared_by`]: making them takes longer than a
     /// sun does. `None` where the light needs no near beam, and where streamed light has no extinction yet.
     pub fn near(&self) -> Option<Near<'_>> {
-        let species = self.resident();
-        let sites = species.sites().filter(|_| species.suns().has_near_beam())?;
-        Some(sites.near(species.needs_single()))
+        self.resident().near_sums()
     }
 
     /// The light of an uneven sky on a plant that stands where `world_from_model` says, for

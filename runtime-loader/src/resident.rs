@@ -17,7 +17,7 @@ mod terms;
 
 use std::sync::{Arc, OnceLock};
 
-use flb_format::beam::MAX_MEANS;
+use flb_format::beam::{MAX_MEANS, Near};
 use flb_format::blocks::{BlockFault, CodedBase, Shared};
 use flb_format::container::Species;
 use flb_format::light::SunBasis;
@@ -369,6 +369,13 @@ impl ResidentSpecies {
             return Some(self.sites.get_or_init(|| Arc::new(MediumSites::of(extinction))));
         }
         self.sites.get()
+    }
+
+    /// Sums that the near beams of all its suns share; `None` where they need no near beam, and where the extinction is
+    /// not loaded.
+    pub(crate) fn near_sums(&self) -> Option<Near<'_>> {
+        let sites = self.sites().filter(|_| self.suns.has_near_beam())?;
+        Some(sites.near(self.needs_single()))
     }
 
     /// Items of its bases, ascending.

@@ -33,7 +33,6 @@ use flb_format::light::FieldKind;
 pub use flb_format::scene_light::SceneFactor;
 use flb_format::scene_light::{GROUND_DENSITY, PLANT, Role};
 
-use crate::entry::known_species;
 use crate::file_light::FileLight;
 use crate::sun_terms::SunTerms;
 use crate::{Library, RuntimeError};
@@ -102,7 +101,7 @@ impl SceneLight {
     /// [`RuntimeError::SceneFactor`] for an empty scene where the fields lack the sun's beam and cannot add it: those
     /// of lists of suns.
     pub fn compared_with(self, factor: SceneFactor) -> Result<SceneLight, RuntimeError> {
-        let lacks_beam = self.scene.is_scattered && self.scene.near().is_none();
+        let lacks_beam = self.scene.is_scattered && !self.scene.light.light().suns().has_near_beam();
         match factor == SceneFactor::Empty && lacks_beam {
             true => Err(RuntimeError::SceneFactor),
             false => Ok(SceneLight { factor, ..self }),
@@ -142,10 +141,12 @@ impl SceneLight {
         PreparedSceneLight {
             light: self,
             species: species.into_iter().map(|name| self.find_species(name)).collect(),
-            scene: self.scene.near(),
+            scene: self.scene.light.light().near_sums(),
             // An empty scene's light needs none of them.
             alone: match self.factor {
-                SceneFactor::Alone => self.alone.iter().map(|(_, coarse)| coarse.near()).collect(),
+                SceneFactor::Alone => {
+                    self.alone.iter().map(|(_, coarse)| coarse.light.light().near_sums()).collect()
+                }
                 SceneFactor::Empty => Vec::new(),
             },
         }
@@ -154,10 +155,8 @@ impl SceneLight {
 
 impl Coarse {
     fn load(library: &Library, index: usize) -> Result<Coarse, RuntimeError> {
-        let entry = known_species(library, index)?;
-        let bases: Vec<u8> = entry.bases.iter().map(|base| base.base).collect();
-        let light = FileLight::load(library, index, &bases)?;
-        let (meta, species) = (&entry.meta, light.light());
+        let light = FileLight::load_whole(library, index)?;
+        let (meta, species) = (&library.container().species()[index].meta, light.light());
         let name = &meta.name;
         let plant = meta.settings.get(PLANT).and_then(|digest| digest.as_str()).map(str::to_owned);
         let is_scattered = meta.physical().is_some_and(|(_, light)| light.field == FieldKind::Scattered);
@@ -183,12 +182,6 @@ impl Coarse {
             sky[0]
         });
         Ok(Coarse { light, is_scattered, open_sky: meta.model.open_sky(), sites, sky, plant })
-    }
-
-    fn near(&self) -> Option<Near<'_>> {
-        let species = self.light.light();
-        let sites = species.sites().filter(|_| species.suns().has_near_beam())?;
-        Some(sites.near(species.needs_single()))
     }
 
     /// Light of a sun in the entry's own frame, `with_beam` the sun's own beam where the fields lack it.

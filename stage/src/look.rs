@@ -11,12 +11,13 @@ pub(crate) const SKY_RAYS: u32 = 4;
 
 /// Content of the frames of a scene.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+#[cfg_attr(feature = "clap", derive(clap::ValueEnum))]
 pub enum SceneShow {
-    /// Light, or the parts of it that [`Look`] says.
+    /// Light, or those parts of it that are asked for.
     #[default]
     Light,
-    /// Scene light by itself, in grey: the light that plants have among their neighbours over the light that they have
-    /// alone, the sun and the sky together, linear.
+    /// Scene light by itself, on the CPU, in grey: the light that plants have among their neighbours over the light
+    /// that they have alone, the sun and the sky together, linear.
     Global,
 }
 

@@ -87,13 +87,12 @@ fn judge(model: &str, plant: Kind, case: &Case) {
     let (merged, places) = stand.merged(case.fine);
     let truths = SKIES
         .map(|[azimuth, elevation]| stand.kinds[0].light_at_sites(&merged, towards_sun(azimuth, elevation)));
-    let (mut last, mut row) = (None, 0);
+    let mut last = None;
     for (lattice, suns_name, suns) in &case.ways {
         // The papers have suns of one kind.
         if is_paper && last.replace(*lattice) == Some(*lattice) {
             continue;
         }
-        row += 1;
         let start = Instant::now();
         let library = if is_paper { stand.paper_library(*lattice) } else { stand.library(*lattice, suns) };
         let suns_name = if is_paper { "lattice18" } else { suns_name };
@@ -127,5 +126,4 @@ fn judge(model: &str, plant: Kind, case: &Case) {
             );
         }
     }
-    assert!(row > 0, "nothing was measured");
 }

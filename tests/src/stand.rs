@@ -175,13 +175,12 @@ impl Stand {
         let plants = self.plants();
         let scenery =
             Scenery::new(&plants, &self.instances, self.ground.as_ref(), lattice).expect("a good scene");
-        let mut coded = Vec::new();
-        let coding = EncodeSettings { codec: Codec::RawF32, ..EncodeSettings::papers() };
-        let mut code = |role: Role,
-                        turbid: &TurbidMedium,
-                        is_ground: &[bool],
-                        surfaces: &BandSurfaces,
-                        surroundings| {
+        let mut entries = Vec::new();
+        let mut solve = |role: Role,
+                         turbid: &TurbidMedium,
+                         is_ground: &[bool],
+                         surfaces: &BandSurfaces,
+                         surroundings| {
             let settings = OrdinatesSettings {
                 ordinates: Ordinates::Lebedev50,
                 rays: ordinates::rays_for(turbid.grid.lattice, 1),
@@ -194,22 +193,20 @@ impl Stand {
             let Entry { meta, medium } =
                 entry(&role, turbid, is_ground, surfaces.clone(), light(&settings), []);
             let fields = SpeciesFields { meta, medium, turbid: Some(turbid.clone()), bases: solution.fields };
-            coded.push(encode_species(&fields, &coding, &|_| Ok(())).expect("fields of a solve"));
+            entries.push(fields);
         };
         let mut factors = Vec::new();
         for (index, kind) in self.kinds.iter().enumerate() {
             let crown = scenery.alone(index).expect("a plant that is not too large");
             let role = Role::Alone { species: kind.name.clone() };
-            code(role, &crown.turbid, &[], &kind.surfaces, &ordinates::Surroundings::NONE);
+            solve(role, &crown.turbid, &[], &kind.surfaces, &ordinates::Surroundings::NONE);
             factors.push(crown.factor);
         }
         let surfaces: Vec<BandSurfaces> = self.kinds.iter().map(|kind| kind.surfaces.clone()).collect();
         let stand = scenery.stand(&factors, &surfaces);
         let role = Role::Scene { digest: "a stand of the tests".to_owned() };
-        code(role, &stand.turbid, &stand.is_ground, &stand.surfaces, &stand.surroundings());
-        let mut bytes = Vec::new();
-        write_library_to(&mut bytes, &coded.iter().collect::<Vec<_>>()).expect("memory takes it");
-        Library::from_source("stand.flb", Box::new(bytes)).expect("it opens")
+        solve(role, &stand.turbid, &stand.is_ground, &stand.surfaces, &stand.surroundings());
+        in_memory(&entries)
     }
 
     /// Names of its kinds.
@@ -287,6 +284,16 @@ impl Stand {
         let places = places.into_iter().map(place).collect();
         (merged, places)
     }
+}
+
+/// A library of entries, uncoded.
+fn in_memory<'f>(entries: impl IntoIterator<Item = &'f SpeciesFields>) -> Library {
+    let coding = EncodeSettings { codec: Codec::RawF32, ..EncodeSettings::papers() };
+    let encode = |fields| encode_species(fields, &coding, &|_| Ok(())).expect("fields of a solve");
+    let coded: Vec<_> = entries.into_iter().map(encode).collect();
+    let mut bytes = Vec::new();
+    write_library_to(&mut bytes, &coded.iter().collect::<Vec<_>>()).expect("memory takes it");
+    Library::from_source("stand.flb", Box::new(bytes)).expect("it opens")
 }
 
 /// A site of an instance.

@@ -1,7 +1,7 @@
 //! Keys of what a store holds: BLAKE3 of the stage and of all that its result depends on, one named part each.
 
 use flb_format::light::SunBasis;
-use flb_transport::lattice::{SolveSettings, Steps};
+use flb_transport::lattice::SolveSettings;
 use flb_transport::ordinates::OrdinatesSettings;
 use flb_transport::turbid::{BandScatter, Phase, Scatter};
 use serde_json::{Value, json};
@@ -95,16 +95,12 @@ pub fn of_ordinates(settings: &OrdinatesSettings) -> [(&'static str, Value); 8] 
     ]
 }
 
-/// Parts of a solve of the `paper` model; `gpu` is the one that solves.
-pub fn of_lattice(settings: &SolveSettings, gpu: Option<&str>) -> [(&'static str, Value); 6] {
+/// Parts of a solve of the `paper` model on a lattice; `gpu` is the one that solves.
+pub fn of_lattice(settings: &SolveSettings, lattice: u32, gpu: Option<&str>) -> [(&'static str, Value); 6] {
     let SolveSettings { solver, steps, tolerance, max_sweeps, bases } = settings;
-    let steps = steps.map(|steps| match steps {
-        Steps::Count(count) => json!(count),
-        Steps::PerEdge(count) => json!([count]),
-    });
     [
         ("solver", json!(super::solver_name(*solver))),
-        ("steps", json!(steps)),
+        ("steps", json!(steps.map(|steps| steps.count(lattice)))),
         ("tolerance", json!(tolerance)),
         ("max_sweeps", json!(max_sweeps)),
         ("bases", json!(bases)),

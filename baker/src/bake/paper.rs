@@ -4,7 +4,7 @@ use flb_format::bases::BaseSet;
 use flb_format::light::SunBasis;
 use flb_format::matter::Optics;
 use flb_format::model::Model;
-use flb_format::{Field, Medium, SpeciesFields, provenance};
+use flb_format::{Field, Medium, SpeciesFields, SpeciesMeta, provenance};
 use flb_scene::Step;
 use flb_transport::lattice::{BaseReport, SolveSettings, SolverKind, find_gpu, solve};
 use serde_json::json;
@@ -33,12 +33,7 @@ pub(super) fn bake(
     let solve = paper.solve(settings.wanted.bases);
     let gpu = (solve.solver == SolverKind::Gpu).then(find_gpu).transpose()?;
     let mut meta = describe(&plant, &voxels, Model::Paper { optics: optics.clone() });
-    meta.record(&provenance::SOLVER, solver_name(solve.solver).to_owned());
-    if let Some(steps) = solve.steps {
-        meta.record(&provenance::STEPS, steps.count(settings.lattice));
-    }
-    meta.record(&provenance::TOLERANCE, solve.tolerance);
-    meta.record(&provenance::MAX_SWEEPS, solve.max_sweeps);
+    record(&mut meta, &solve, settings.lattice);
     meta.leave_out(solve.bases.missing(), &left_out, &settings.wanted.reason);
     check_storable(&meta)?;
     let classed = plant.classed;
@@ -46,11 +41,7 @@ pub(super) fn bake(
     drop(classed);
     meta.grid = medium.grid;
 
-    let key = Key::new("light")
-        .with("medium", hex(digest(work.store, &medium)?))
-        .with("optics", json!(optics))
-        .with_all(of_lattice(&solve, gpu.as_deref()));
-    let Light { bases, converged, .. } = light(work, &medium, &optics, &solve, &key)?;
+    let Light { bases, converged, .. } = light(work, &medium, &optics, &solve, gpu.as_deref())?;
     meta.record(&provenance::CONVERGED, converged);
     let weighed = |(site, density): (u32, &f32)| (*density > 0.0).then_some((site, f64::from(*density)));
     let matter: Vec<_> = (0..).zip(&medium.density).filter_map(weighed).collect();
@@ -76,6 +67,16 @@ pub fn solver_name(solver: SolverKind) -> &'static str {
     }
 }
 
+/// Records how a medium on a lattice is solved.
+pub(super) fn record(meta: &mut SpeciesMeta, solve: &SolveSettings, lattice: u32) {
+    meta.record(&provenance::SOLVER, solver_name(solve.solver).to_owned());
+    if let Some(steps) = solve.steps {
+        meta.record(&provenance::STEPS, steps.count(lattice));
+    }
+    meta.record(&provenance::TOLERANCE, solve.tolerance);
+    meta.record(&provenance::MAX_SWEEPS, solve.max_sweeps);
+}
+
 /// Solved fields of a medium.
 pub(super) struct Light {
     /// Base and field.
@@ -86,14 +87,18 @@ pub(super) struct Light {
     pub cached: bool,
 }
 
-/// Solve, or what an earlier bake kept of it. Only converged fields are kept.
+/// Solve, or what an earlier bake kept of it. Only converged fields are kept. `gpu` is the one that solves.
 pub(super) fn light(
     work: &Work,
     medium: &Medium,
     optics: &Optics,
     settings: &SolveSettings,
-    key: &Key,
+    gpu: Option<&str>,
 ) -> Result<Light, BakeError> {
+    let key = &Key::new("light")
+        .with("medium", hex(digest(work.store, medium)?))
+        .with("optics", json!(optics))
+        .with_all(of_lattice(settings, medium.grid.lattice, gpu));
     let key_of = |base: u8| Key::new("field").with("light", key.digest().into()).with("item", base.into());
     let (bases, report) = work.run(Step::Solve, |progress| {
         let read = |base: u8| store::read::<BaseArtefact>(work.store, &key_of(base), |_| Ok(()));

@@ -33,27 +33,23 @@ pub fn entry(
         surfaces: Surfaces { bands: vec![surfaces] },
         light: Light { leaf_angles: turbid.angles.clone(), ..light },
     };
-    of_model(role, turbid, medium(turbid, is_ground), model, settings)
+    of_model(role, turbid, is_ground, model, settings)
 }
 
 /// The entry of a medium of the model `paper` in a role, of which `turbid` is the extinction.
-pub fn paper_entry(
-    role: &Role,
-    turbid: &TurbidMedium,
-    optics: BandOptics,
-    settings: impl IntoIterator<Item = (String, Value)>,
-) -> Entry {
+pub fn paper_entry(role: &Role, turbid: &TurbidMedium, optics: BandOptics) -> Entry {
     let model = Model::Paper { optics: Optics { bands: vec![optics] } };
-    of_model(role, turbid, medium(turbid, &[]), model, settings)
+    of_model(role, turbid, &[], model, [])
 }
 
 fn of_model(
     role: &Role,
     turbid: &TurbidMedium,
-    medium: Medium,
+    is_ground: &[bool],
     model: Model,
     settings: impl IntoIterator<Item = (String, Value)>,
 ) -> Entry {
+    let medium = medium(turbid, is_ground);
     let meta = SpeciesMeta {
         name: role.name(),
         model,

@@ -65,13 +65,10 @@ impl Preset {
 fn papers() -> String {
     let BakeSettings { lattice, voxels, .. } = BakeSettings::of(Quality::Papers);
     let CodingPreset { threshold, .. } = CodingPreset::of(Quality::Papers);
-    let Some(Steps::PerEdge(steps)) = PaperSettings::of(Quality::Papers).steps else {
-        unreachable!("a test reads the help")
-    };
     format!(
         " papers: --model paper --lattice {lattice} --voxels {voxels} --ignore-alpha --solver explicit --steps {} --codec \
          haar-paper --threshold {threshold}",
-        steps * lattice
+        Steps::PAPERS.count(lattice)
     )
 }
 

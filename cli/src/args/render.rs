@@ -9,18 +9,10 @@ use flb_scene::scene::SunHours;
 
 use super::gpu_count::gpu_count;
 use super::values::{angle_pair, existing, exposure, size};
+use flb_stage::SceneShow;
 use flb_stage::backend::GpuCount;
 
 use super::{BandArgs, MemoryArgs, SceneLightArgs, SkyArgs};
-
-/// Content of the pictures of a scene.
-#[derive(Clone, Copy, PartialEq, Eq, clap::ValueEnum)]
-pub(crate) enum ShowArg {
-    /// Light, or the parts of it that --indirect says
-    Light,
-    /// Scene light by itself, on the CPU
-    Global,
-}
 
 #[derive(Args)]
 pub(crate) struct RenderArgs {
@@ -94,8 +86,8 @@ pub(crate) struct RenderArgs {
     #[arg(long, value_enum, default_value_t = Indirect::On)]
     pub indirect: Indirect,
     /// What pictures of a scene show: light, or in grey how much of each plant's own light its neighbours leave and add
-    #[arg(long, value_enum, default_value_t = ShowArg::Light, conflicts_with = "indirect")]
-    pub show: ShowArg,
+    #[arg(long, value_enum, default_value_t = SceneShow::Light, conflicts_with = "indirect")]
+    pub show: SceneShow,
     /// Where the camera stands: azimuth and elevation seen from the plant, degrees [default: 180,8]; a scene has its
     /// own camera
     #[arg(long, value_name = "AZIMUTH,ELEVATION", value_parser = angle_pair, allow_hyphen_values = true)]

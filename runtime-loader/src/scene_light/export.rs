@@ -33,7 +33,8 @@ pub struct FlatVolume<'s> {
 pub struct FlatVolumeBlend {
     /// Volume of the sky, of the species alone.
     pub sky: usize,
-    /// Volumes of the sun, of the species alone; those that do not count are the same as others. `None` without a sun.
+    /// Volumes of the sun, of the species alone; those that do not count are the same as others. `None` without a sun,
+    /// and where the scene is compared with an empty one.
     pub sun: Option<[usize; 3]>,
     /// Weights of the sun's volumes, together 1.
     pub weights: [f32; 3],
@@ -66,10 +67,8 @@ impl SceneLightAtSun<'_> {
         let scene_sun = self.scene.as_ref().map(|_| 1 + alone.len());
         let blend = |(index, placed): (usize, &Placement)| {
             let blend = self.number(placed).map(|species| {
-                // Compared with an empty scene, a species has no volumes under the sun.
-                let own =
-                    |scene: usize, volume: usize| if empty.is_some() { scene } else { scene + 1 + volume };
-                let sun = scene_sun.map(|scene| self.blends[index].volumes.map(|volume| own(scene, volume)));
+                let alone = scene_sun.filter(|_| empty.is_none());
+                let sun = alone.map(|scene| self.blends[index].volumes.map(|volume| scene + 1 + volume));
                 let weights = self.blends.get(index).map_or([0.0; 3], |blend| blend.weights);
                 FlatVolumeBlend { sky: 1 + species, sun, weights }
             });

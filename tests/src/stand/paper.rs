@@ -6,18 +6,18 @@ use flb_baker::bake::{
 };
 use flb_baker::scene_light::{coarse_medium, extinction, optics_in_luminance};
 use flb_fixtures::PlantKind;
+use flb_format::direction::MOVING;
 use flb_format::matter::{Optics, TurbidMedium};
-use flb_format::{Codec, sun};
-use flb_packer::{EncodeSettings, encode_species, write_library_to};
+use flb_format::sun;
 use flb_runtime::Library;
 use flb_scene::Unobserved;
 use flb_transport::lattice::{SolveSettings, solve};
 
-use super::{Kind, Stand, SunAndSky};
+use super::{Kind, Stand, SunAndSky, in_memory};
 use crate::default_bake::grown;
 
 /// Light of the ambient base where nothing stands.
-const OPEN_SKY: f32 = 18.0;
+const OPEN_SKY: f32 = MOVING as f32;
 
 impl Kind {
     /// A built-in plant on a lattice, with the papers' optics.
@@ -50,14 +50,7 @@ impl Stand {
         };
         let settings = SceneSettings { lattice, ..SceneSettings::default() };
         let baked = bake_scene(&scene, &settings, &NoStore, &Unobserved).expect("a good scene");
-        let coding = EncodeSettings { codec: Codec::RawF32, ..EncodeSettings::papers() };
-        let coded: Vec<_> = baked
-            .entries()
-            .map(|fields| encode_species(fields, &coding, &|_| Ok(())).expect("fields of a solve"))
-            .collect();
-        let mut bytes = Vec::new();
-        write_library_to(&mut bytes, &coded.iter().collect::<Vec<_>>()).expect("memory takes it");
-        Library::from_source("stand.flb", Box::new(bytes)).expect("it opens")
+        in_memory(baked.entries())
     }
 }
 

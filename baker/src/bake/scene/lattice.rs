@@ -1,17 +1,15 @@
 //! Light of a scene's lattices by the papers' model.
 
-use flb_format::matter::{BandOptics, Optics, TurbidMedium};
+use flb_format::matter::{BandOptics, TurbidMedium};
 use flb_format::scene_light::Role;
 use flb_format::{SpeciesFields, provenance};
 use flb_transport::lattice::SolveSettings;
-use serde_json::{Value, json};
+use serde_json::Value;
 
 use super::Baking;
 use crate::bake::BakeError;
-use crate::bake::key::{Key, hex, of_lattice};
-use crate::bake::paper::{self, solver_name};
-use crate::bake::store::digest;
-use crate::scene_light::{Entry, coarse_medium, paper_entry};
+use crate::bake::paper;
+use crate::scene_light::{Entry, paper_entry};
 
 impl Baking<'_> {
     /// The fields of a medium in a role, of which `turbid` is the extinction, with what is `said` of it in the file;
@@ -28,25 +26,16 @@ impl Baking<'_> {
             max_sweeps: self.settings.max_passes,
             ..SolveSettings::default()
         };
-        let medium = coarse_medium(turbid);
-        let bands = Optics { bands: vec![optics.clone()] };
+        let Entry { mut meta, medium } = paper_entry(role, turbid, optics);
         let name = role.name();
         let work = self.work(&name);
-        let key = Key::new("light")
-            .with("medium", hex(digest(work.store, &medium)?))
-            .with("optics", json!(bands))
-            .with_all(of_lattice(&settings, None));
+        let optics = meta.optics().expect("an entry of the model paper");
         let paper::Light { bases, converged, cached } =
-            paper::light(&work, &medium, &bands, &settings, &key)?;
+            paper::light(&work, &medium, optics, &settings, None)?;
         self.converged &= converged;
-        let of_solve = [
-            (provenance::SOLVER.name(), json!(solver_name(settings.solver))),
-            (provenance::TOLERANCE.name(), json!(settings.tolerance)),
-            (provenance::MAX_SWEEPS.name(), json!(settings.max_sweeps)),
-            (provenance::CONVERGED.name(), json!(converged)),
-        ];
-        let said = said.iter().chain(&of_solve).map(|(key, value)| ((*key).to_owned(), value.clone()));
-        let Entry { meta, medium } = paper_entry(role, turbid, optics, said);
+        meta.settings.extend(said.iter().map(|(key, value)| ((*key).to_owned(), value.clone())));
+        paper::record(&mut meta, &settings, medium.grid.lattice);
+        meta.record(&provenance::CONVERGED, converged);
         Ok((SpeciesFields { meta, medium, turbid: None, bases }, cached))
     }
 }
