@@ -20,7 +20,7 @@ use flb_format::matter::TurbidMedium;
 use flb_format::progress::{Cancelled, Progress};
 use flb_format::{Field, Medium};
 use flb_scene::ClassedMesh;
-use flb_scene::extents::has_walls;
+use flb_scene::extents::Walls;
 use flb_scene::rays::{RayMesh, RayMeshError};
 use flb_transport::ordinates::{Spread, TotalLight};
 use rayon::prelude::*;
@@ -47,6 +47,8 @@ pub struct Solids<'a> {
     pub suns: &'a SunBasis,
     /// Share of the sky that the leaves see.
     pub seen_sky: &'a SeenSky,
+    /// Walls of the plant.
+    pub walls: Walls,
 }
 
 /// Reason why there is no light at solids.
@@ -115,7 +117,7 @@ impl Solids<'_> {
         let mut of_site = vec![Places::NONE; self.turbid.grid.sites()];
         (0..).zip(&sites).for_each(|(place, &site)| of_site[site as usize] = place);
         let enclosed = |place| self.seen_sky.of_wood(place) > ENCLOSED;
-        let enclosed = has_walls(self.classed).then(|| (0..sites.len()).map(enclosed).collect());
+        let enclosed = (self.walls != Walls::None).then(|| (0..sites.len()).map(enclosed).collect());
         Places { of_site, enclosed: enclosed.unwrap_or_default() }
     }
 }

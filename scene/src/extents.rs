@@ -18,7 +18,7 @@ use std::fmt::{self, Display};
 
 use flb_format::meta::Bounds;
 
-pub use enclosed::Enclosed;
+pub use enclosed::{Enclosed, Walls};
 pub use foot::Side;
 
 use crate::import::{Up, area, quoted};
@@ -283,15 +283,17 @@ fn doubt_of_wood(plant: &ClassedMesh, extents: &Extents, up: Up) -> Option<Doubt
     (above_m > LOWEST_WOOD * height_m).then_some(Doubt::HighWood { above_m, height_m })
 }
 
-/// Whether a plant has walls: wood that can enclose leaves, as its area is over a quarter of the surface of the plant's
-/// box. That of most trees is not.
-pub fn has_walls(plant: &ClassedMesh) -> bool {
-    Extents::of(plant).is_some_and(|extents| enclosed::has_walls(plant, &extents))
+/// The walls of a plant.
+pub fn walls(plant: &ClassedMesh) -> Walls {
+    Extents::of(plant).map_or(Walls::None, |extents| enclosed::walls(plant, &extents))
 }
 
 /// Whether leaves stand behind walls.
 fn doubt_of_walls(plant: &ClassedMesh, extents: &Extents) -> Option<Doubt> {
-    enclosed::enclosed(plant, extents).map(Doubt::Enclosed)
+    match enclosed::walls(plant, extents) {
+        Walls::Enclosing(enclosed) => Some(Doubt::Enclosed(enclosed)),
+        Walls::None | Walls::Beside => None,
+    }
 }
 
 /// Whether leaves are thick closed shells ([`crate::sheets`]).

@@ -103,6 +103,9 @@ impl ModelSettings {
 pub struct PhysicalSettings {
     /// Dependence of the fields on the sun.
     pub suns: SunBasis,
+    /// Dependence on the sun of a plant whose leaves walls enclose ([`flb_scene::extents::Walls::Enclosing`]): light
+    /// through a narrow mouth changes more sharply with the sun than harmonics of a low degree do.
+    pub enclosed_suns: SunBasis,
     /// Directions that light is marched along.
     pub ordinates: Ordinates,
     /// Rays per site edge along each of them, 1 to 8; `None`: as many as the lattice needs ([`rays_for`]).
@@ -176,6 +179,7 @@ impl PhysicalSettings {
         };
         PhysicalSettings {
             suns: SunBasis::Harmonics { degree, single: true },
+            enclosed_suns: SunBasis::Lattice18,
             ordinates: if quality == Quality::Draft { Ordinates::Lebedev50 } else { Ordinates::Lebedev110 },
             rays: None,
             parts: if quality == Quality::Reference { 2 } else { 1 },
@@ -193,13 +197,13 @@ impl PhysicalSettings {
         }
     }
 
-    /// The solve on a lattice, of these bases.
-    pub fn solve(&self, lattice: u32, bases: BaseSet) -> OrdinatesSettings {
+    /// The solve on a lattice, of these bases, for fields that depend on the sun so.
+    pub fn solve(&self, lattice: u32, suns: SunBasis, bases: BaseSet) -> OrdinatesSettings {
         OrdinatesSettings {
             ordinates: self.ordinates,
             rays: self.rays.unwrap_or_else(|| rays_for(lattice, self.parts)),
             parts: self.parts,
-            suns: self.suns.clone(),
+            suns,
             bases,
             field: self.field,
             tolerance: self.tolerance,
@@ -281,7 +285,7 @@ mod tests {
             panic!("the other model")
         };
         assert_eq!(
-            physical.solve(128, BaseSet::ALL),
+            physical.solve(128, physical.suns.clone(), BaseSet::ALL),
             OrdinatesSettings { max_passes: 300, ..Default::default() }
         );
     }

@@ -17,8 +17,12 @@ use super::{Places, Solids};
 /// How much a site without leaves is tied to its mean, in faces of a site.
 const LOOSE: f32 = 0.02;
 
-/// Steps of the descent.
+/// Steps of a descent.
 const STEPS: usize = 12;
+
+/// Descents for plants with walls: after each, values that would leave their range are held at its end, and the others
+/// go on. A clamp alone made enclosed leaves 14 % too bright.
+const ROUNDS: usize = 4;
 
 /// Corners of a sample.
 const CORNERS: usize = 8;
@@ -35,6 +39,8 @@ pub(super) struct Fit {
     ties: Vec<f32>,
     /// Per site: whether v0 is what its leaves receive.
     leaves: Vec<bool>,
+    /// Descents at most.
+    pub(super) rounds: usize,
 }
 
 impl Fit {
@@ -64,7 +70,9 @@ impl Fit {
         let ties =
             sites.iter().zip(&leaves).map(|(&site, &leaf)| LOOSE + if leaf { area(site) } else { 0.0 });
         let counts = gathered.sides.iter().map(|side| side.weight).collect();
-        Fit { ties: ties.collect(), sites, corners, counts, leaves }
+        // Without walls light and dark lie nowhere so near to each other that a clamp would matter.
+        let rounds = if places.enclosed.is_empty() { 1 } else { ROUNDS };
+        Fit { ties: ties.collect(), sites, corners, counts, leaves, rounds }
     }
 
     /// Sites with known values, ascending.
@@ -98,8 +106,25 @@ impl Fit {
     ) -> Vec<f32> {
         let light: Vec<f32> = (0..self.sides()).map(|side| gathered.of(side, column, band)).collect();
         let start = self.start(|site| received(site as usize), &light);
-        let mut found = self.descend(&light, start.clone());
-        self.bound(&light, &start, &mut found);
+        let ends = self.ends(&light, &start);
+        let mut found = start.clone();
+        let mut held = vec![false; found.len()];
+        for _ in 0..self.rounds {
+            self.descend(&light, &start, &held, &mut found);
+            let mut is_within = true;
+            for (value, [low, high]) in found.iter_mut().zip(&ends) {
+                is_within &= (*low..=*high).contains(value);
+                *value = value.clamp(*low, *high);
+            }
+            if is_within {
+                break;
+            }
+            let lacks = self.lacks(&light, &start, &found).into_iter();
+            held = lacks
+                .zip(found.iter().zip(&ends))
+                .map(|(lacks, (value, ends))| is_held(lacks, *value, *ends))
+                .collect();
+        }
         found
     }
 
@@ -121,9 +146,8 @@ impl Fit {
         self.sites.iter().zip(&self.leaves).zip(sums).map(of_site).collect()
     }
 
-    /// Keeps values within v0 and what the sides that sample them received: beyond a sharp shadow the descent
-    /// overshoots.
-    fn bound(&self, light: &[f32], start: &[f32], values: &mut [f32]) {
+    /// Least and most of v0 and of what the sides that sample a site received, per known site.
+    fn ends(&self, light: &[f32], start: &[f32]) -> Vec<[f32; 2]> {
         let mut ends: Vec<[f32; 2]> = start.iter().map(|start| [*start; 2]).collect();
         for (corners, light) in self.corners.iter().zip(light) {
             for &(place, weight) in corners {
@@ -133,12 +157,24 @@ impl Fit {
                 }
             }
         }
-        for (value, [low, high]) in values.iter_mut().zip(ends) {
-            *value = value.clamp(low, high);
-        }
+        ends
     }
 
-    fn descend(&self, light: &[f32], start: Vec<f32>) -> Vec<f32> {
+    /// Descent of the sum at values, per known site: what the sides lack, and what the ties pull.
+    fn lacks(&self, light: &[f32], start: &[f32], values: &[f32]) -> Vec<f32> {
+        let mut lacks: Vec<f32> =
+            start.iter().zip(values).zip(&self.ties).map(|((start, v), tie)| tie * (start - v)).collect();
+        for ((corners, count), light) in self.corners.iter().zip(&self.counts).zip(light) {
+            let sampled: f32 = corners.iter().map(|&(place, weight)| weight * values[place as usize]).sum();
+            for &(place, weight) in corners {
+                lacks[place as usize] += count * weight * (light - sampled);
+            }
+        }
+        lacks
+    }
+
+    /// Moves the values that are not held towards the least sum.
+    fn descend(&self, light: &[f32], start: &[f32], held: &[bool], v: &mut [f32]) {
         let apply = |v: &[f32]| -> Vec<f32> {
             let mut out: Vec<f32> = v.iter().zip(&self.ties).map(|(v, tie)| v * tie).collect();
             for (corners, count) in self.corners.iter().zip(&self.counts) {
@@ -155,16 +191,11 @@ impl Fit {
                 diagonal[place as usize] += count * weight * weight;
             }
         }
-        // The residual of v = v0: what the sides lack.
-        let mut residual = vec![0.0f32; start.len()];
-        for ((corners, count), light) in self.corners.iter().zip(&self.counts).zip(light) {
-            let sampled: f32 = corners.iter().map(|&(place, weight)| weight * start[place as usize]).sum();
-            for &(place, weight) in corners {
-                residual[place as usize] += count * weight * (light - sampled);
-            }
-        }
-        let scaled = |r: &[f32]| -> Vec<f32> { r.iter().zip(&diagonal).map(|(r, d)| r / d).collect() };
-        let mut v = start;
+        let scaled = |r: &[f32]| -> Vec<f32> {
+            let of = |((r, d), held): ((&f32, &f32), &bool)| if *held { 0.0 } else { r / d };
+            r.iter().zip(&diagonal).zip(held).map(of).collect()
+        };
+        let mut residual = self.lacks(light, start, v);
         let mut z = scaled(&residual);
         let mut direction = z.clone();
         let mut energy = dot(&residual, &z);
@@ -186,8 +217,12 @@ impl Fit {
             direction.iter_mut().zip(&z).for_each(|(d, z)| *d = z + turn * *d);
             energy = next;
         }
-        v
     }
+}
+
+/// Whether a value stands at an end of its range and would leave it.
+fn is_held(lacks: f32, value: f32, [low, high]: [f32; 2]) -> bool {
+    (value <= low && lacks <= 0.0) || (value >= high && lacks >= 0.0)
 }
 
 fn dot(a: &[f32], b: &[f32]) -> f64 {

@@ -13,6 +13,7 @@
 use flb_format::light::SunBasis;
 use flb_format::progress::{Cancelled, Progress};
 use flb_format::sun::harmonics;
+use flb_scene::extents::Walls;
 use flb_scene::rays::{Ray, RayMesh};
 use flb_scene::sampling::{cosine_hemisphere, hash, r2_sequence};
 use glam::{DVec3, Vec3};
@@ -97,7 +98,7 @@ impl<'a> Surfaces<'a> {
         let (width, bands) = (sent.width, sent.bands);
         let grid = &self.solids.turbid.grid;
         let (mut sides, mut found) = (Vec::new(), Vec::new());
-        let ringing = Ringing::new();
+        let ringing = matches!(self.solids.walls, Walls::Enclosing(_)).then(Ringing::new);
         for ((number, traced), light) in traced.iter().enumerate().zip(light.chunks_exact(width)) {
             let (weight, offset) = match self.is_wood(number / 2) {
                 true if traced.open < OPEN => continue,
@@ -114,7 +115,9 @@ impl<'a> Surfaces<'a> {
                 light.iter().map(move |light| light - own)
             }));
             let end = found.len() - width;
-            self.settle_ringing(&ringing, &mut found[end..], bands);
+            if let Some(ringing) = &ringing {
+                self.settle_ringing(ringing, &mut found[end..], bands);
+            }
         }
         progress(1.0)?;
         Ok(Gathered { sides, light: found, width, bands })

@@ -45,6 +45,7 @@ struct Plant {
     solution: OrdinatesSolution,
     suns: SunBasis,
     seen_sky: SeenSky,
+    walls: Walls,
 }
 
 impl Plant {
@@ -72,7 +73,8 @@ impl Plant {
         let received = received_by(&recollision, &bands, &solution.total);
         on_matter(&mut solution.fields, &crown, &received, &solution.total.open_sky, &settings.suns);
         let Crown { turbid, seen_sky, .. } = crown;
-        Plant { classed, turbid, medium, received, solution, suns: settings.suns, seen_sky }
+        let walls = flb_scene::extents::walls(&classed);
+        Plant { classed, turbid, medium, received, solution, suns: settings.suns, seen_sky, walls }
     }
 
     fn solids(&self) -> Solids<'_> {
@@ -85,6 +87,7 @@ impl Plant {
             total: &self.solution.total,
             suns: &self.suns,
             seen_sky: &self.seen_sky,
+            walls: self.walls,
         }
     }
 
@@ -306,6 +309,48 @@ fn suns_light_a_leaf_in_a_pot_by_way_of_its_walls() {
     let straight = 0.16;
     let by_walls = on_the_leaf(&[0, 1, 2, 4, 5], 16) / 0.25 - straight;
     assert!((mean - by_walls).abs() < 0.02, "{mean} {by_walls}");
+}
+
+/// Leaves deep in a pot with thin walls: among what they receive of a sun, dark lies beside light.
+fn leaves_deep_in_a_pot() -> Mesh {
+    let mut triangles = quads([-0.2, -0.5, -0.2], [0.2, 0.5, 0.2], &[0, 1, 2, 4, 5]);
+    let walls = triangles.len();
+    for i in 0..16u8 {
+        let [x, z] = [i % 4, i / 4].map(|at| 0.08 * (f32::from(at) - 1.5));
+        let y = -0.45 + 0.03 * f32::from(i % 7);
+        triangles.push([[x, y, z], [x + 0.06, y + 0.02, z], [x, y, z + 0.06]]);
+    }
+    let mut mesh = soup(&triangles);
+    mesh.triangle_material = (0..triangles.len()).map(|triangle| u32::from(triangle >= walls)).collect();
+    mesh
+}
+
+#[test]
+fn a_fit_within_bounds_keeps_what_is_behind_walls_darker_than_a_clamp_does() {
+    let plant = Plant::new(leaves_deep_in_a_pot(), 32, SunBasis::Lattice18);
+    assert!(matches!(plant.walls, Walls::Enclosing(_)), "{:?}", plant.walls);
+    let solids = plant.solids();
+    let rays = RayMesh::new(&plant.classed.mesh, false).unwrap();
+    let places = solids.places();
+    let wood = points::on_solids(&plant.classed, &rays, plant.turbid.grid);
+    let leaves = points::on_leaves(&plant.classed, &rays, plant.turbid.grid, |_| true);
+    let gathered =
+        radiosity::Surfaces::new(&solids, &rays, &places, [&wood, &leaves]).gather(&|_| Ok(())).unwrap();
+    // Sides of leaves come last. What a reader finds at them, and what came to them.
+    let sides = gathered.sides.len() - 2 * leaves.points.len()..gathered.sides.len();
+    let truth: f32 = sides.clone().map(|side| gathered.of(side, 0, 0)).sum();
+    let of = |rounds: usize| -> f32 {
+        let mut fit = fit::Fit::new(&solids, &places, &gathered);
+        fit.rounds = rounds;
+        let values = fit.values(|_| 0.0, 0, 0, &gathered);
+        let at = |(site, weight): (usize, f32)| {
+            weight * values[fit.sites().binary_search(&(site as u32)).unwrap()]
+        };
+        sides.clone().map(|side| fit.corner_sites(side).map(at).sum::<f32>()).sum::<f32>() / truth - 1.0
+    };
+    let [clamped, fitted] = [of(1), of(4)];
+    println!("{clamped} {fitted}");
+    assert!(clamped > 0.1 && fitted.abs() < 0.4 * clamped, "{clamped} {fitted}");
 }
 
 #[test]

@@ -12,7 +12,8 @@ pub(crate) struct ModelArgs {
     /// Light transport model [default: physical; paper with --quality papers]
     #[arg(long, value_enum)]
     pub model: Option<ModelArg>,
-    /// How the stored light depends on the sun; `physical` only [default: the preset's]
+    /// How the stored light depends on the sun; `physical` only [default: the preset's; lattice18 where walls enclose
+    /// leaves]
     #[arg(long, value_enum)]
     pub suns: Option<NamedSuns>,
     /// Directions that light is marched along: 18, 50 or 110; `physical` only [default: the preset's]

@@ -88,6 +88,7 @@ fn physical(args: &BakeArgs) -> Result<PhysicalSettings, Failure> {
     check_end(tolerance, args.max_sweeps)?;
     Ok(PhysicalSettings {
         suns: flags.suns.map_or(preset.suns, NamedSuns::basis),
+        enclosed_suns: flags.suns.map_or(preset.enclosed_suns, NamedSuns::basis),
         ordinates,
         rays: flags.rays,
         parts: flags.cut_sites.map_or(preset.parts, |cut| if cut { 2 } else { 1 }),

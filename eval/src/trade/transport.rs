@@ -130,6 +130,7 @@ impl Transport {
             Transport::Physical(Marched { suns, ordinates, rays, parts, field, tolerance }) => {
                 ModelSettings::Physical(PhysicalSettings {
                     suns: suns.basis(),
+                    enclosed_suns: suns.basis(),
                     ordinates,
                     rays: Some(rays),
                     parts,

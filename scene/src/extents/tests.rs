@@ -230,6 +230,28 @@ fn leaves_behind_walls_are_doubted_with_what_they_see() {
 }
 
 #[test]
+fn thick_branches_are_no_walls_and_a_pot_below_open_leaves_is() {
+    // Branches in three directions, 0.4 m apart: more wood than a box has surface, most of which sees wood.
+    let mut branches = Vec::new();
+    for (i, j) in (0..5).flat_map(|i| (0..5).map(move |j| (i, j))) {
+        let [a, b] = [i, j].map(|step| -0.8 + 0.4 * f64::from(step));
+        branches.extend(tube([a, -1.0, b], [a, 1.0, b], 0.06));
+        branches.extend(tube([-1.0, a + 0.1, b], [1.0, a + 0.1, b], 0.06));
+        branches.extend(tube([a, b + 0.1, -1.0], [a, b + 0.1, 1.0], 0.06));
+    }
+    let leaves = [leaf([0.2, 0.1, 0.2]), leaf([0.4, 0.9, 0.1])];
+    assert_eq!(walls(&plant(&branches, &leaves, |p| p)), Walls::None);
+    let mut pot = tube([0.0, -1.0, 0.0], [0.0, 0.0, 0.0], 0.5);
+    let above = [leaf([0.0, 0.3, 0.0]), leaf([0.1, 0.4, 0.1])];
+    assert_eq!(walls(&plant(&pot, &above, |p| p)), Walls::Beside);
+    let deep = [leaf([0.0, -0.8, 0.0]), leaf([0.1, -0.7, 0.1])];
+    pot.extend([[[-0.5, -1.0, -0.5], [0.5, -1.0, -0.5], [0.5, -1.0, 0.5]]]);
+    pot.extend([[[-0.5, -1.0, -0.5], [0.5, -1.0, 0.5], [-0.5, -1.0, 0.5]]]);
+    pot.extend(tube([0.0, 0.0, 0.0], [0.0, 1.0, 0.0], 0.5));
+    assert!(matches!(walls(&plant(&pot, &deep, |p| p)), Walls::Enclosing(_)));
+}
+
+#[test]
 fn sizes_beyond_those_of_plants_are_doubted_with_the_units_that_would_fit() {
     let of = |longest_m: f64, unit_m| {
         let bounds_m = Bounds { min: [0.0; 3], max: [longest_m / 2.0, longest_m, 0.0] };
