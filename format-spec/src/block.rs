@@ -31,6 +31,26 @@ pub fn blocks_per_axis(lattice: u32) -> u32 {
     lattice.saturating_sub(2) / STRIDE as u32 + 1
 }
 
+/// Whether each block, `[z][y][x]`, is one that a sampler asks anywhere in the sites that are `sampled`, or that
+/// [`scatter`] takes a texel from which is sampled there.
+///
+/// # Panics
+/// If `sampled` does not have a value for each site.
+pub fn near(lattice: u32, sampled: &[bool]) -> Vec<bool> {
+    let (n, per_axis) = (lattice as usize, blocks_per_axis(lattice) as usize);
+    assert_eq!(sampled.len(), n * n * n, "a value for each site");
+    // A point in site `i` lies between the texels `i - 1` and `i + 1`.
+    let of = |i: usize| [i.saturating_sub(1), i + 1].map(|texel| (texel / STRIDE).min(per_axis - 1));
+    let mut near = vec![false; per_axis * per_axis * per_axis];
+    for (site, _) in sampled.iter().enumerate().filter(|(_, sampled)| **sampled) {
+        let [x, y, z] = [site % n, site / n % n, site / (n * n)].map(of);
+        for block in 0..8 {
+            near[(z[block >> 2] * per_axis + y[block >> 1 & 1]) * per_axis + x[block & 1]] = true;
+        }
+    }
+    near
+}
+
 /// Reads the texels of block `[x, y, z]` out of a field.
 ///
 /// `texels` are `[z][y][x][band]`, x faster than y, bands fastest.

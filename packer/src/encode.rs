@@ -3,6 +3,7 @@
 
 mod check;
 mod near_geometry;
+mod settings;
 
 use flb_format::container::payload::{BlockPage, SPARSE_GROUP, SparseValue};
 use flb_format::container::records::*;
@@ -12,106 +13,19 @@ use flb_format::light::SunBasis;
 use flb_format::matter::TurbidMedium;
 use flb_format::mesh::{MESH_ERROR, MeshError};
 use flb_format::progress::Progress;
-use flb_format::{Field, Medium, Quality, SpeciesFields, SpeciesMeta, block, provenance};
+use flb_format::{Field, Medium, SpeciesFields, SpeciesMeta, block, provenance};
 use rayon::prelude::*;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicUsize, Ordering};
 
 use crate::quality::{self, CodingReport};
-use crate::rate::{DEFAULT_TARGET, Target};
 use crate::surface::surface_sites;
 use crate::{PackError, priority};
 
+pub use settings::{CodingPreset, EncodeSettings, StoredBlocks};
+
 /// zstd's level for pages; they are small, and written once but read often.
 const ZSTD_LEVEL: i32 = 9;
-
-/// Most bytes of a page before compression, unless asked for otherwise.
-const PAGE_BYTES: u32 = 65_536;
-
-/// Codec, targets and layout of the bases of a species.
-#[derive(Debug, Clone, PartialEq)]
-pub struct EncodeSettings {
-    /// Codec of every base.
-    pub codec: Codec,
-    /// Relative threshold of `haar-paper`: a coefficient is kept above `threshold` times the base's value in empty
-    /// space (1; 18 for base 0 of `paper`), or in the sun's fields of `physical` times the mean scattered light of the
-    /// brightest band. Not used by the raw codecs.
-    pub threshold: f32,
-    /// Error that `classed` and `haar` may make, each base by itself. Not used by the others.
-    pub target: Target,
-    /// Whether `classed` and `haar` store blocks away from geometry too; `haar-paper` always does.
-    pub all_blocks: bool,
-    /// Whether pages are zstd-compressed where that makes them smaller.
-    pub compress: bool,
-    /// Largest size of a page before compression, in bytes; a multiple of 4096 from 20480 to 4194304.
-    pub page_bytes: u32,
-}
-
-/// What `flb bake` writes by default.
-impl Default for EncodeSettings {
-    fn default() -> EncodeSettings {
-        EncodeSettings::of(Quality::Standard, Codec::Classed)
-    }
-}
-
-/// Errors that a quality codes to.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct CodingPreset {
-    /// PSNR of `classed` and `haar`, in dB.
-    pub psnr_db: f64,
-    /// Relative error of `classed` and `haar` in dark places.
-    pub dark_error: f64,
-    /// Threshold of `haar-paper`.
-    pub threshold: f32,
-}
-
-impl CodingPreset {
-    /// Returns the errors of a quality.
-    pub fn of(quality: Quality) -> CodingPreset {
-        let (psnr_db, dark_error, threshold) = match quality {
-            Quality::Draft => (38.0, 0.15, 0.05),
-            Quality::Standard => (45.0, 0.06, 0.02),
-            Quality::Fine => (52.0, 0.03, 0.005),
-            Quality::Reference => (60.0, 0.01, 0.0),
-            // Other codecs than the papers' code as closely as by default.
-            Quality::Papers => (45.0, 0.06, 0.05),
-        };
-        CodingPreset { psnr_db, dark_error, threshold }
-    }
-}
-
-impl EncodeSettings {
-    /// Settings by which a quality keeps the light, by one of the codecs.
-    pub fn of(quality: Quality, codec: Codec) -> EncodeSettings {
-        let CodingPreset { psnr_db, dark_error, threshold } = CodingPreset::of(quality);
-        EncodeSettings {
-            codec,
-            threshold: if codec == Codec::HaarPaper { threshold } else { 0.0 },
-            target: Target::Both { psnr_db, relative: dark_error },
-            all_blocks: false,
-            compress: codec.is_near_geometry(),
-            page_bytes: PAGE_BYTES,
-        }
-    }
-
-    /// Settings of `flb bake-scene`. Readers take quotients of what is stored, so its error is held far below that of
-    /// light that is looked at.
-    pub fn scene_light() -> EncodeSettings {
-        EncodeSettings::of(Quality::Reference, Codec::Classed)
-    }
-
-    /// The papers' blocks, all of them, without any loss: for comparing.
-    pub fn papers() -> EncodeSettings {
-        EncodeSettings {
-            codec: Codec::HaarPaper,
-            threshold: 0.0,
-            target: DEFAULT_TARGET,
-            all_blocks: false,
-            compress: false,
-            page_bytes: PAGE_BYTES,
-        }
-    }
-}
 
 /// A species as it goes into a file.
 #[derive(Debug, Clone)]
@@ -206,6 +120,8 @@ pub fn encode_species(
             near_geometry::encode(fields, &bases, settings, &points, progress)?
         } else {
             let unit = unit_of_light(fields, &points);
+            let near = (settings.codec == Codec::HaarPaper && settings.blocks == StoredBlocks::NearGeometry)
+                .then(|| block::near(fields.meta.grid.lattice, &near_geometry::sampled_sites(fields).0));
             let done = AtomicUsize::new(0);
             let coded = bases
                 .par_iter()
@@ -213,7 +129,7 @@ pub fn encode_species(
                     let threshold = if *base == 0 { settings.threshold } else { settings.threshold * unit };
                     let settings = EncodeSettings { threshold, ..settings.clone() };
                     let empty_value = fields.meta.model.empty_value(*base);
-                    let coded = encode_base(*base, empty_value, field, &settings, &points);
+                    let coded = encode_base(*base, empty_value, field, &settings, &points, near.as_deref());
                     let count = done.fetch_add(1, Ordering::Relaxed) + 1;
                     progress(count as f64 / bases.len() as f64)?;
                     Ok(coded)
@@ -287,7 +203,10 @@ fn with_settings(meta: &SpeciesMeta, settings: &EncodeSettings, report: &CodingR
         let (psnr_db, relative) = settings.target.errors();
         psnr_db.into_iter().for_each(|db| meta.record(&provenance::TARGET_PSNR_DB, db));
         relative.into_iter().for_each(|share| meta.record(&provenance::TARGET_ERROR, share));
-        meta.record(&provenance::ALL_BLOCKS, settings.all_blocks);
+        meta.record(&provenance::ALL_BLOCKS, settings.blocks == StoredBlocks::All);
+    }
+    if settings.codec == Codec::HaarPaper && settings.blocks == StoredBlocks::NearGeometry {
+        meta.record(&provenance::ALL_BLOCKS, false);
     }
     // A copied species is not decoded, and still can say what it lost. Null: no sample has an error.
     let psnr_db = combined_psnr_db(earlier_psnr_db, report.surface_psnr_db);
@@ -369,6 +288,7 @@ fn encode_base(
     field: &Field,
     settings: &EncodeSettings,
     points: &[u32],
+    near: Option<&[bool]>,
 ) -> (EncodedSection, quality::BaseReport) {
     let (pages, error) = match settings.codec {
         Codec::RawF32 => (
@@ -384,7 +304,7 @@ fn encode_base(
         Codec::Classed | Codec::Haar => unreachable!("coded for all bases at once, in `near`"),
         Codec::HaarPaper => {
             let threshold = payload::absolute_threshold(empty_value, settings.threshold);
-            let blocks = block_pages(field, threshold, settings.page_bytes);
+            let blocks = block_pages(field, threshold, settings.page_bytes, near);
             let error = quality::SurfaceError::of_blocks(points, field, &blocks);
             let pages = blocks.into_iter().map(|page| EncodedPage {
                 priority: priority::of_blocks(&page, field.bands as usize, empty_value),
@@ -423,7 +343,8 @@ fn raw_pages(
 }
 
 /// As many blocks per page as fit, in `[z][y][x]` order.
-fn block_pages(field: &Field, threshold: f32, page_bytes: u32) -> Vec<BlockPage> {
+/// `near` tells, per block, whether it is stored; all are without it.
+fn block_pages(field: &Field, threshold: f32, page_bytes: u32, near: Option<&[bool]>) -> Vec<BlockPage> {
     let bands = field.bands as usize;
     let per_axis = block::blocks_per_axis(field.lattice);
     let mut texels = vec![0.0; block::TEXELS * bands];
@@ -432,9 +353,13 @@ fn block_pages(field: &Field, threshold: f32, page_bytes: u32) -> Vec<BlockPage>
     let (mut page, mut bytes) = (BlockPage::default(), 0);
     for b in 0..per_axis.pow(3) {
         let at = [b % per_axis, b / per_axis % per_axis, b / (per_axis * per_axis)];
-        block::gather(field, at, &mut texels);
         coefficients.clear();
-        let mask = block::encode(&texels, bands, threshold, &mut coefficients);
+        let mask = if near.is_none_or(|near| near[b as usize]) {
+            block::gather(field, at, &mut texels);
+            block::encode(&texels, bands, threshold, &mut coefficients)
+        } else {
+            0
+        };
         let more = BlockPage::block_bytes(mask, field.bands);
         if bytes + more > page_bytes {
             pages.push(std::mem::take(&mut page));

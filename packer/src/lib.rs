@@ -33,7 +33,9 @@ pub mod rate;
 pub mod surface;
 mod write;
 
-pub use encode::{CodingPreset, EncodeSettings, EncodedPage, EncodedSection, EncodedSpecies, encode_species};
+pub use encode::{
+    CodingPreset, EncodeSettings, EncodedPage, EncodedSection, EncodedSpecies, StoredBlocks, encode_species,
+};
 pub use error::PackError;
 pub use flb_files::Existing;
 pub use load::{Copier, copy_species, load_species};

@@ -2,8 +2,8 @@
 
 use clap::Args;
 use flb_format::{Codec, Quality};
-use flb_packer::EncodeSettings;
 use flb_packer::rate::Target;
+use flb_packer::{EncodeSettings, StoredBlocks};
 
 use crate::exit::{Failure, USAGE};
 
@@ -20,9 +20,13 @@ pub(crate) struct CodingArgs {
     /// classed and haar; both errors are met where both are given
     #[arg(long, value_name = "REL")]
     pub target_error: Option<f64>,
-    /// Store blocks away from geometry too; of classed and haar (haar-paper always does)
+    /// Store blocks away from geometry too; of classed and haar (haar-paper does unless told otherwise)
     #[arg(long)]
     pub all_blocks: bool,
+    /// Store no block away from geometry, as the papers say; of haar-paper (classed and haar never do unless told
+    /// otherwise)
+    #[arg(long, conflicts_with = "all_blocks")]
+    pub near_geometry: bool,
     /// Drop block coefficients up to T, in units of the light that enters (0 keeps all); of haar-paper [default: the
     /// preset's]
     #[arg(long, value_name = "T", conflicts_with_all = ["target_psnr", "target_error"])]
@@ -39,6 +43,7 @@ impl CodingArgs {
             || self.target_psnr.is_some()
             || self.target_error.is_some()
             || self.all_blocks
+            || self.near_geometry
             || self.threshold.is_some()
             || self.compress.is_some()
     }
@@ -72,6 +77,9 @@ impl CodingArgs {
         if let Some((flag, _)) = near.iter().find(|(_, given)| *given && !codec.is_near_geometry()) {
             return refuse(format!("{flag} is for --codec classed and haar, not for {}", codec.name()));
         }
+        if self.near_geometry && codec != Codec::HaarPaper {
+            return refuse(format!("--near-geometry is for --codec haar-paper, not for {}", codec.name()));
+        }
         let threshold = self.threshold.unwrap_or(preset.threshold);
         if !(threshold.is_finite() && threshold >= 0.0) {
             return refuse(format!("--threshold is {threshold}, expected a number from 0 up"));
@@ -84,6 +92,11 @@ impl CodingArgs {
         };
         target.check().map_err(|error| Failure::new(USAGE, error))?;
         let compress = self.compress.unwrap_or(preset.compress);
-        Ok(EncodeSettings { threshold, target, all_blocks: self.all_blocks, compress, ..preset })
+        let blocks = match (self.all_blocks, self.near_geometry) {
+            (true, _) => StoredBlocks::All,
+            (false, true) => StoredBlocks::NearGeometry,
+            (false, false) => StoredBlocks::Usual,
+        };
+        Ok(EncodeSettings { threshold, target, blocks, compress, ..preset })
     }
 }

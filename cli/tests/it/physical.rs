@@ -352,6 +352,11 @@ fn the_papers_preset_is_their_settings_one_by_one_and_no_loss() {
     };
     assert_eq!(draw("preset.flb", &[]), draw("preset.flb", &["--indirect-scale", "1"]));
     assert_ne!(draw("preset.flb", &[]), draw("preset.flb", &["--indirect-scale", "0.5"]));
+    // Without blocks that no surface samples the picture is the same, and the file smaller.
+    bake("near.flb", &["--quality", "papers", "--near-geometry"]);
+    assert_eq!(draw("near.flb", &[]), draw("preset.flb", &[]));
+    assert!(folder.read("near.flb").len() < folder.read("preset.flb").len());
+    folder.flb(&["validate", "near.flb"]).expect_code(0);
     bake("sweep.flb", &PAPER);
     assert_eq!(draw("sweep.flb", &[]), draw("sweep.flb", &["--indirect-scale", "0.5"]));
 }
@@ -364,6 +369,8 @@ fn what_a_model_has_not_is_refused_before_any_work() {
         folder.flb_with(&bake, more).expect_code(2).says(&[word]);
         assert!(!folder.path("no.flb").exists());
     };
+    let near = ["bake", "leaf-card.glb", "-o", "no.flb", "--near-geometry"];
+    folder.flb(&near).expect_code(2).says(&["--near-geometry is for --codec haar-paper, not for classed"]);
     for flag in [
         &["--suns", "sh1"][..],
         &["--ordinates", "50"],

@@ -19,7 +19,7 @@ use crate::rate::{
 use crate::{EncodeSettings, EncodedPage, EncodedSection, PackError};
 use flb_format::SpeciesFields;
 
-use super::{section, store};
+use super::{StoredBlocks, section, store};
 
 /// What [`encode`] makes.
 pub(super) struct Encoded {
@@ -30,7 +30,7 @@ pub(super) struct Encoded {
 
 /// Sites that renderers sample, and those of them that hold leaves: light at solids is sampled off their surface, in
 /// the sites of wood and in those beside them.
-fn sampled_sites(fields: &SpeciesFields) -> (Vec<bool>, Vec<bool>) {
+pub(super) fn sampled_sites(fields: &SpeciesFields) -> (Vec<bool>, Vec<bool>) {
     let medium = &fields.medium;
     let mut all: Vec<bool> = medium.class.iter().map(|class| *class != Class::Empty).collect();
     let mut leaves: Vec<bool> = medium.class.iter().map(|class| *class == Class::Leaf).collect();
@@ -72,7 +72,7 @@ pub(super) fn encode(
     let rate = RateSettings {
         coding: if settings.codec == Codec::Haar { DetailCoding::Haar } else { DetailCoding::Classed },
         target: settings.target,
-        all_blocks: settings.all_blocks,
+        all_blocks: settings.blocks == StoredBlocks::All,
         page_bytes: settings.page_bytes,
     };
     let coded = match harmonics(fields) {

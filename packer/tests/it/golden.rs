@@ -11,7 +11,9 @@ use flb_format::matter::Class;
 use flb_format::meta::LeftOut;
 use flb_format::{Codec, Container, SpeciesFields};
 use flb_packer::rate::Target;
-use flb_packer::{EncodeSettings, copy_species, encode_species, load_species, write_library_to};
+use flb_packer::{
+    EncodeSettings, StoredBlocks, copy_species, encode_species, load_species, write_library_to,
+};
 
 fn golden() -> Vec<(&'static str, Vec<SpeciesFields>, EncodeSettings)> {
     let haar = |threshold, compress| EncodeSettings {
@@ -21,12 +23,8 @@ fn golden() -> Vec<(&'static str, Vec<SpeciesFields>, EncodeSettings)> {
         page_bytes: 20_480,
         ..EncodeSettings::papers()
     };
-    let near = |codec, target, all_blocks, compress| EncodeSettings {
-        codec,
-        target,
-        all_blocks,
-        ..haar(0.0, compress)
-    };
+    let near =
+        |codec, target, blocks, compress| EncodeSettings { codec, target, blocks, ..haar(0.0, compress) };
     let raw = EncodeSettings { codec: Codec::RawF32, ..haar(0.0, false) };
     let f16 = EncodeSettings { codec: Codec::RawF16, ..raw.clone() };
     let lattice18 = |name| physical(name, SunBasis::Lattice18, FieldKind::Scattered, &[4]);
@@ -55,14 +53,22 @@ fn golden() -> Vec<(&'static str, Vec<SpeciesFields>, EncodeSettings)> {
         (
             "classed",
             vec![species("sphere", 3, &[0, 4]), species("other", 1, &[18])],
-            near(Codec::Classed, Target::Psnr(45.0), false, false),
+            near(Codec::Classed, Target::Psnr(45.0), StoredBlocks::Usual, false),
         ),
-        ("classed-all-blocks", vec![near_physical], near(Codec::Classed, Target::Psnr(40.0), true, true)),
-        ("haar", vec![species("sphere", 3, &[0, 4])], near(Codec::Haar, Target::Psnr(45.0), false, true)),
+        (
+            "classed-all-blocks",
+            vec![near_physical],
+            near(Codec::Classed, Target::Psnr(40.0), StoredBlocks::All, true),
+        ),
+        (
+            "haar",
+            vec![species("sphere", 3, &[0, 4])],
+            near(Codec::Haar, Target::Psnr(45.0), StoredBlocks::Usual, true),
+        ),
         (
             "directions",
             vec![whole("octahedron", bipyramid(4)), whole("bipyramid", bipyramid(33))],
-            near(Codec::Haar, Target::Psnr(30.0), false, false),
+            near(Codec::Haar, Target::Psnr(30.0), StoredBlocks::Usual, false),
         ),
         ("physical-single", vec![once], haar(0.02, true)),
         ("physical", vec![scattered, total, species("paper", 1, &[4])], haar(0.01, false)),

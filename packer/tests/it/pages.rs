@@ -2,10 +2,10 @@
 
 use crate::common::{pack, species, species_at};
 use flb_format::container::records::*;
-use flb_format::sample::site_of;
+use flb_format::sample::{self, site_of};
 use flb_format::{Codec, Container, Field, block};
 use flb_packer::rate::Target;
-use flb_packer::{EncodeSettings, copy_species, write_library_to};
+use flb_packer::{EncodeSettings, StoredBlocks, copy_species, load_species, write_library_to};
 
 fn squares(values: impl IntoIterator<Item = f32>) -> f64 {
     values.into_iter().map(|value| f64::from(value) * f64::from(value)).sum()
@@ -32,7 +32,7 @@ fn the_priority_of_a_page_near_geometry_is_the_squared_error_that_a_decoder_sees
         let settings = EncodeSettings {
             codec,
             target,
-            all_blocks: true,
+            blocks: StoredBlocks::All,
             page_bytes: 20_480,
             ..EncodeSettings::papers()
         };
@@ -139,4 +139,36 @@ fn two_versions_of_a_species_store_what_is_the_same_in_both_once() {
 
 fn base_key(species: u32, item: u32) -> SectionKey {
     SectionKey { kind: KIND_BASE, species, item }
+}
+
+#[test]
+fn haar_paper_near_geometry_reads_as_all_blocks_do_at_matter_and_is_smaller() {
+    let fields = species_at(64, "one", 3, &[0, 7]);
+    let of = |blocks| {
+        let settings = EncodeSettings { blocks, ..EncodeSettings::papers() };
+        let bytes = pack(std::slice::from_ref(&fields), &settings);
+        let container = Container::open(&bytes).expect("the writer's own file opens");
+        let read = load_species(&container, &bytes, 0).expect("it has all its bases");
+        (bytes.len(), read)
+    };
+    let (all_bytes, all) = of(StoredBlocks::All);
+    let (near_bytes, near) = of(StoredBlocks::NearGeometry);
+    assert!(2 * near_bytes < all_bytes, "{near_bytes} of {all_bytes}");
+    let n = fields.meta.grid.lattice as usize;
+    let matter: Vec<usize> = (0..n.pow(3)).filter(|&site| fields.medium.density[site] > 0.0).collect();
+    assert!(!matter.is_empty());
+    let mut away = 0;
+    for ((_, all), (_, near)) in all.bases.iter().zip(&near.bases) {
+        for &site in &matter {
+            let at = [site % n, site / n % n, site / (n * n)].map(|c| c as f64);
+            for offset in [0.0, 0.3, 0.5, 0.99] {
+                let [mut whole, mut part] = [[0.0; 3]; 2];
+                sample::trilinear(all, at.map(|c| c + offset), &mut whole);
+                sample::trilinear(near, at.map(|c| c + offset), &mut part);
+                assert_eq!(whole, part, "{at:?} + {offset}");
+            }
+        }
+        away += near.values().iter().filter(|value| **value == 0.0).count();
+    }
+    assert!(away > n.pow(3), "{away} texels without light");
 }
