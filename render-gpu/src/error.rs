@@ -45,7 +45,10 @@ pub enum ForestError {
         most: u64,
     },
     /// The light of a species is stored in a way that is not evaluated on the GPU.
-    #[error("species {species:?}: {found}, which is not lit on the GPU; render on the CPU")]
+    #[error(
+        "species {species:?}: {found}, which is not lit on the GPU; render on the CPU, or code it anew by `flb pack FILE \
+         -o NEW.flb --codec classed`"
+    )]
     Unlit {
         /// Name of the species.
         species: String,

@@ -74,7 +74,8 @@ pub enum RuntimeError {
     },
     /// A species whose bases cannot be streamed block by block.
     #[error(
-        "{path}: species \"{species}\" is coded as {codec}, expected classed or haar: other codecs are loaded whole",
+        "{path}: species \"{species}\" is coded as {codec}, expected classed or haar: other codecs are loaded whole \
+         (`flb pack {path} -o NEW.flb --codec classed` codes it anew)",
         path = path.display()
     )]
     NotStreamed {

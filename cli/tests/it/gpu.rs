@@ -239,7 +239,7 @@ fn all_gpus_that_there_are_draw_what_one_does_and_more_are_refused() {
 fn what_a_gpu_cannot_draw_is_refused_by_name() {
     let folder = stand(&PAPER, &["--codec", "raw-f16"]);
     let run = folder.flb_with(&RENDER, &["gpu", "-o", "x.png"]).expect_code(5);
-    run.says(&["oak", "raw-f16", "render on the CPU"]);
+    run.says(&["oak", "raw-f16", "render on the CPU", "flb pack FILE -o NEW.flb --codec classed"]);
     let single = ["render", "oak.flb", "--mesh", "oak.glb", "--sun", "135,35", "-o", "x.png"];
     folder.flb_with(&single, &["--backend", "gpu"]).expect_code(2).says(&["--backend", "scenes"]);
     assert!(!folder.names().contains(&"x.png".to_owned()));

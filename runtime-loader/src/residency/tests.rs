@@ -155,7 +155,8 @@ fn species_of_other_codecs_are_refused_by_name() {
     assert!(matches!(error, RuntimeError::NotStreamed { .. }));
     assert_eq!(
         error.to_string(),
-        "plants.flb: species \"oak\" is coded as raw-f16, expected classed or haar: other codecs are loaded whole"
+        "plants.flb: species \"oak\" is coded as raw-f16, expected classed or haar: other codecs are loaded whole \
+         (`flb pack plants.flb -o NEW.flb --codec classed` codes it anew)"
     );
 }
 
