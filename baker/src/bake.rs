@@ -42,7 +42,9 @@ pub use paper::{paper_solves, solver_name};
 pub use scene::{
     BakedAlone, BakedScene, PlantedScene, ScenePlant, SceneSettings, SceneTransport, bake_scene,
 };
-pub use settings::{BakeSettings, ModelSettings, PaperSettings, PhysicalSettings, Wanted, unsolved_light};
+pub use settings::{
+    BakeSettings, ModelSettings, PaperSettings, PhysicalSettings, SunChoice, Wanted, unsolved_light,
+};
 pub use store::{NoStore, Store, digest};
 
 use job::Start;

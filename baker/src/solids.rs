@@ -143,4 +143,4 @@ impl Places {
 }
 
 #[cfg(test)]
-mod tests;
+pub(crate) mod tests;

@@ -120,7 +120,7 @@ pub fn encode_species(
             near_geometry::encode(fields, &bases, settings, &points, progress)?
         } else {
             let unit = unit_of_light(fields, &points);
-            let near = (settings.codec == Codec::HaarPaper && settings.blocks == StoredBlocks::NearGeometry)
+            let near = (settings.codec == Codec::HaarPaper && !settings.has_all_blocks())
                 .then(|| block::near(fields.meta.grid.lattice, &near_geometry::sampled_sites(fields).0));
             let done = AtomicUsize::new(0);
             let coded = bases
@@ -203,10 +203,10 @@ fn with_settings(meta: &SpeciesMeta, settings: &EncodeSettings, report: &CodingR
         let (psnr_db, relative) = settings.target.errors();
         psnr_db.into_iter().for_each(|db| meta.record(&provenance::TARGET_PSNR_DB, db));
         relative.into_iter().for_each(|share| meta.record(&provenance::TARGET_ERROR, share));
-        meta.record(&provenance::ALL_BLOCKS, settings.blocks == StoredBlocks::All);
     }
-    if settings.codec == Codec::HaarPaper && settings.blocks == StoredBlocks::NearGeometry {
-        meta.record(&provenance::ALL_BLOCKS, false);
+    let has_fewer = settings.codec == Codec::HaarPaper && !settings.has_all_blocks();
+    if settings.codec.is_near_geometry() || has_fewer {
+        meta.record(&provenance::ALL_BLOCKS, settings.has_all_blocks());
     }
     // A copied species is not decoded, and still can say what it lost. Null: no sample has an error.
     let psnr_db = combined_psnr_db(earlier_psnr_db, report.surface_psnr_db);
@@ -342,8 +342,7 @@ fn raw_pages(
     field.values().chunks(settings.page_bytes as usize / value_bytes).map(page).collect()
 }
 
-/// As many blocks per page as fit, in `[z][y][x]` order.
-/// `near` tells, per block, whether it is stored; all are without it.
+/// As many blocks per page as fit, in `[z][y][x]` order. `near` tells, per block, whether it is stored; `None`: all.
 fn block_pages(field: &Field, threshold: f32, page_bytes: u32, near: Option<&[bool]>) -> Vec<BlockPage> {
     let bands = field.bands as usize;
     let per_axis = block::blocks_per_axis(field.lattice);

@@ -6,7 +6,7 @@
 
 use std::sync::Arc;
 
-use flb_baker::bake::{BakeSettings, ModelSettings, NoStore, PhysicalSettings, bake};
+use flb_baker::bake::{BakeSettings, ModelSettings, NoStore, PhysicalSettings, SunChoice, bake};
 use flb_baker::crown::LeafAngleChoice;
 use flb_baker::scene_light::{Entry, Ground, Plant, Scenery, entry, luminance};
 use flb_fixtures::PlantKind;
@@ -55,7 +55,7 @@ impl Kind {
     pub fn grown(kind: PlantKind, triangles: u32, lattice: u32) -> Kind {
         // Its own light is not looked at here, and is solved as coarsely as it can be.
         let model = PhysicalSettings {
-            suns: SunBasis::Lattice18,
+            suns: SunChoice::Fixed(SunBasis::Lattice18),
             ordinates: Ordinates::Lattice18,
             rays: Some(1),
             leaf_angles: LeafAngleChoice::Spherical,

@@ -6,7 +6,7 @@ use flb_format::material_surface::{self, MATERIALS};
 use flb_format::matter::Surfaces;
 use flb_format::model::Model;
 use flb_format::{Medium, SpeciesFields, provenance};
-use flb_scene::extents::{Walls, walls};
+use flb_scene::extents::walls;
 use flb_scene::rays::RayMeshError;
 use flb_scene::{ClassedMesh, Step};
 use flb_transport::ordinates::{OrdinatesSettings, Surroundings};
@@ -40,12 +40,8 @@ pub(super) fn bake(
     let (kept, left_out) = settings.wanted.choose(&names, work.species)?;
     let surfaces = Surfaces { bands: kept.iter().map(|&band| all.bands[band].clone()).collect() };
     let walls = walls(&plant.classed);
-    let suns = match walls {
-        Walls::Enclosing(_) => &physical.enclosed_suns,
-        Walls::None | Walls::Beside => &physical.suns,
-    };
-    let bases = bases_of(work, suns, settings.wanted.bases);
-    let solve = physical.solve(settings.lattice, suns.clone(), bases);
+    let bases = bases_of(work, &physical.suns.basis(walls), settings.wanted.bases);
+    let solve = physical.solve(settings.lattice, walls, bases);
     // Before the long work: there may be none.
     let gpu = light::gpu_of(&solve)?;
     let model = Model::Physical { surfaces: surfaces.clone(), light: unsolved_light(&solve) };

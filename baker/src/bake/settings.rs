@@ -4,6 +4,7 @@ use flb_format::Quality;
 use flb_format::bases::BaseSet;
 use flb_format::light::{FieldKind, Light, LightError, SunBasis};
 use flb_format::sample::SOLID_OFFSET;
+use flb_scene::extents::Walls;
 use flb_transport::lattice::{DEFAULT_MAX_SWEEPS, SolveSettings, SolverKind, Steps};
 use flb_transport::ordinates::{Backend, Ordinates, OrdinatesSettings, rays_for};
 
@@ -98,14 +99,31 @@ impl ModelSettings {
     }
 }
 
+/// Choice of how fields depend on the sun.
+#[derive(Debug, Clone, PartialEq)]
+pub enum SunChoice {
+    /// One basis for every plant.
+    Fixed(SunBasis),
+    /// A basis for every plant but those whose leaves walls enclose. These get [`SunBasis::Lattice18`], as light
+    /// through a narrow mouth changes more sharply with the sun than harmonics of a low degree do.
+    ByWalls(SunBasis),
+}
+
+impl SunChoice {
+    /// Basis for a plant with these walls.
+    pub fn basis(&self, walls: Walls) -> SunBasis {
+        match (self, walls) {
+            (SunChoice::ByWalls(_), Walls::Enclosing(_)) => SunBasis::Lattice18,
+            (SunChoice::Fixed(basis) | SunChoice::ByWalls(basis), _) => basis.clone(),
+        }
+    }
+}
+
 /// Settings of the solve of the `physical` model.
 #[derive(Debug, Clone, PartialEq)]
 pub struct PhysicalSettings {
     /// Dependence of the fields on the sun.
-    pub suns: SunBasis,
-    /// Dependence on the sun of a plant whose leaves walls enclose ([`flb_scene::extents::Walls::Enclosing`]): light
-    /// through a narrow mouth changes more sharply with the sun than harmonics of a low degree do.
-    pub enclosed_suns: SunBasis,
+    pub suns: SunChoice,
     /// Directions that light is marched along.
     pub ordinates: Ordinates,
     /// Rays per site edge along each of them, 1 to 8; `None`: as many as the lattice needs ([`rays_for`]).
@@ -178,8 +196,7 @@ impl PhysicalSettings {
             Quality::Fine | Quality::Reference => 3,
         };
         PhysicalSettings {
-            suns: SunBasis::Harmonics { degree, single: true },
-            enclosed_suns: SunBasis::Lattice18,
+            suns: SunChoice::ByWalls(SunBasis::Harmonics { degree, single: true }),
             ordinates: if quality == Quality::Draft { Ordinates::Lebedev50 } else { Ordinates::Lebedev110 },
             rays: None,
             parts: if quality == Quality::Reference { 2 } else { 1 },
@@ -197,13 +214,13 @@ impl PhysicalSettings {
         }
     }
 
-    /// The solve on a lattice, of these bases, for fields that depend on the sun so.
-    pub fn solve(&self, lattice: u32, suns: SunBasis, bases: BaseSet) -> OrdinatesSettings {
+    /// The solve on a lattice of a plant with these walls, of these bases.
+    pub fn solve(&self, lattice: u32, walls: Walls, bases: BaseSet) -> OrdinatesSettings {
         OrdinatesSettings {
             ordinates: self.ordinates,
             rays: self.rays.unwrap_or_else(|| rays_for(lattice, self.parts)),
             parts: self.parts,
-            suns,
+            suns: self.suns.basis(walls),
             bases,
             field: self.field,
             tolerance: self.tolerance,
@@ -266,7 +283,8 @@ mod tests {
             let [coarse, fine] = [BakeSettings::of(pair[0]), BakeSettings::of(pair[1])];
             assert!(coarse.lattice <= fine.lattice, "{pair:?}");
             let [coarse, fine] = [PhysicalSettings::of(pair[0]), PhysicalSettings::of(pair[1])];
-            assert!(coarse.suns.items() <= fine.suns.items() && coarse.parts <= fine.parts, "{pair:?}");
+            let [few, many] = [&coarse, &fine].map(|of| of.suns.basis(Walls::None).items());
+            assert!(few <= many && coarse.parts <= fine.parts, "{pair:?}");
             assert!(coarse.ordinates.count() <= fine.ordinates.count(), "{pair:?}");
             assert!(coarse.tolerance >= fine.tolerance, "{pair:?}");
             let [coarse, fine] = [PaperSettings::of(pair[0]), PaperSettings::of(pair[1])];
@@ -285,7 +303,7 @@ mod tests {
             panic!("the other model")
         };
         assert_eq!(
-            physical.solve(128, physical.suns.clone(), BaseSet::ALL),
+            physical.solve(128, Walls::None, BaseSet::ALL),
             OrdinatesSettings { max_passes: 300, ..Default::default() }
         );
     }

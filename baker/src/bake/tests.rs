@@ -3,11 +3,13 @@ use std::sync::Mutex;
 
 use flb_format::Quality;
 use flb_format::light::{FieldKind, SunBasis};
+use flb_scene::extents::Walls;
 use flb_scene::mesh::testing::soup;
 use flb_scene::{MaterialClass, Observer, Unobserved};
 use flb_transport::ordinates::Ordinates;
 
 use super::*;
+use crate::solids::tests::leaves_deep_in_a_pot;
 
 mod stopped;
 
@@ -87,27 +89,18 @@ impl Diary {
 
 #[test]
 fn leaves_that_walls_enclose_are_lit_by_fields_for_single_suns() {
-    // A pot of one sheet, and a leaf near its floor.
-    let corner = |i: u8| [0, 1, 2].map(|axis| f32::from(i >> axis & 1) * [0.4, 1.0, 0.4][axis as usize]);
-    let sides = [[0, 2, 3, 1], [4, 5, 7, 6], [0, 1, 5, 4], [0, 4, 6, 2], [1, 3, 7, 5]];
-    let quad = |[a, b, c, d]: [u8; 4]| [[a, b, c], [a, c, d]].map(|of| of.map(corner));
-    let mut triangles: Vec<_> = sides.into_iter().flat_map(quad).collect();
-    let walls = triangles.len();
-    triangles.push([[0.1, 0.1, 0.1], [0.3, 0.1, 0.1], [0.1, 0.1, 0.3]]);
-    let mut mesh = soup(&triangles);
-    mesh.triangle_material =
-        (0..=walls as u32).map(|triangle| u32::from(triangle as usize == walls)).collect();
-    let pot = Plant::new("pot", mesh, vec![MaterialClass::Wood, MaterialClass::Leaf]);
+    let pot = Plant::new("pot", leaves_deep_in_a_pot(), vec![MaterialClass::Wood, MaterialClass::Leaf]);
     let suns = |plant: &Plant, settings: &BakeSettings| {
         let baked = bake(plant.clone(), settings, &NoStore, &Unobserved).expect("a good plant");
         baked.fields.meta.model.physical().expect("the physical model").1.suns.clone()
     };
     let ModelSettings::Physical(physical) = quick().model else { panic!("the physical model") };
-    assert_eq!(suns(&plant("fern"), &quick()), physical.suns);
+    let usual = physical.suns.basis(Walls::None);
+    assert_eq!(suns(&plant("fern"), &quick()), usual);
     assert_eq!(suns(&pot, &quick()), SunBasis::Lattice18);
-    let given = PhysicalSettings { enclosed_suns: physical.suns.clone(), ..physical.clone() };
+    let given = PhysicalSettings { suns: SunChoice::Fixed(usual.clone()), ..physical };
     let given = BakeSettings { model: ModelSettings::Physical(given), ..quick() };
-    assert_eq!(suns(&pot, &given), physical.suns);
+    assert_eq!(suns(&pot, &given), usual);
 }
 
 #[test]

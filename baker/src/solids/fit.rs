@@ -109,7 +109,12 @@ impl Fit {
         let ends = self.ends(&light, &start);
         let mut found = start.clone();
         let mut held = vec![false; found.len()];
-        for _ in 0..self.rounds {
+        for round in 0..self.rounds {
+            if round > 0 {
+                let lacks = self.lacks(&light, &start, &found).into_iter();
+                let at_ends = lacks.zip(found.iter().zip(&ends));
+                held = at_ends.map(|(lacks, (value, ends))| is_held(lacks, *value, *ends)).collect();
+            }
             self.descend(&light, &start, &held, &mut found);
             let mut is_within = true;
             for (value, [low, high]) in found.iter_mut().zip(&ends) {
@@ -119,11 +124,6 @@ impl Fit {
             if is_within {
                 break;
             }
-            let lacks = self.lacks(&light, &start, &found).into_iter();
-            held = lacks
-                .zip(found.iter().zip(&ends))
-                .map(|(lacks, (value, ends))| is_held(lacks, *value, *ends))
-                .collect();
         }
         found
     }

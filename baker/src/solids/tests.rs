@@ -312,7 +312,7 @@ fn suns_light_a_leaf_in_a_pot_by_way_of_its_walls() {
 }
 
 /// Leaves deep in a pot with thin walls: among what they receive of a sun, dark lies beside light.
-fn leaves_deep_in_a_pot() -> Mesh {
+pub(crate) fn leaves_deep_in_a_pot() -> Mesh {
     let mut triangles = quads([-0.2, -0.5, -0.2], [0.2, 0.5, 0.2], &[0, 1, 2, 4, 5]);
     let walls = triangles.len();
     for i in 0..16u8 {

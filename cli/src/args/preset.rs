@@ -3,6 +3,7 @@
 use flb_baker::bake::{BakeSettings, PaperSettings, PhysicalSettings};
 use flb_format::Quality;
 use flb_packer::CodingPreset;
+use flb_scene::extents::Walls;
 use flb_transport::lattice::Steps;
 use flb_transport::ordinates::NamedSuns;
 
@@ -34,7 +35,7 @@ fn preset(quality: Quality) -> Preset {
         psnr_db,
         dark_error,
         threshold,
-        suns: NamedSuns::of(&physical.suns).expect("a test goes through all"),
+        suns: NamedSuns::of(&physical.suns.basis(Walls::None)).expect("a test goes through all"),
         ordinates: physical.ordinates.count(),
         cut_sites: physical.parts > 1,
         tolerance: physical.tolerance,

@@ -1,10 +1,10 @@
 //! What follows from the model that `flb bake` is asked for: its settings, the flags that it refuses, and what is said.
 
-use flb_baker::bake::{ModelSettings, PaperSettings, PhysicalSettings};
+use flb_baker::bake::{ModelSettings, PaperSettings, PhysicalSettings, SunChoice};
 use flb_format::Quality;
 use flb_format::light::FieldKind;
 use flb_transport::lattice::{SolverKind, Steps, find_gpu};
-use flb_transport::ordinates::{Backend, MAX_RAYS, NamedSuns};
+use flb_transport::ordinates::{Backend, MAX_RAYS};
 
 use super::limits::{check_end, ordinates_of};
 use crate::args::{BackendArg, BakeArgs, ModelArg, SolverArg};
@@ -87,8 +87,7 @@ fn physical(args: &BakeArgs) -> Result<PhysicalSettings, Failure> {
     let tolerance = args.tolerance.unwrap_or(preset.tolerance);
     check_end(tolerance, args.max_sweeps)?;
     Ok(PhysicalSettings {
-        suns: flags.suns.map_or(preset.suns, NamedSuns::basis),
-        enclosed_suns: flags.suns.map_or(preset.enclosed_suns, NamedSuns::basis),
+        suns: flags.suns.map_or(preset.suns, |suns| SunChoice::Fixed(suns.basis())),
         ordinates,
         rays: flags.rays,
         parts: flags.cut_sites.map_or(preset.parts, |cut| if cut { 2 } else { 1 }),

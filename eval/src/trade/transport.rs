@@ -1,9 +1,10 @@
 //! Models of light transport that are tried, and what differs between them: nothing else of a trade tells them apart.
 
-use flb_baker::bake::{ModelSettings, PaperSettings, PhysicalSettings};
+use flb_baker::bake::{ModelSettings, PaperSettings, PhysicalSettings, SunChoice};
 use flb_format::Quality;
 use flb_format::light::{FieldKind, SunBasis};
 use flb_scene::Plant;
+use flb_scene::extents::Walls;
 use flb_transport::ordinates::{NamedSuns, Ordinates, rays_for};
 
 /// Model of light transport with its settings.
@@ -50,7 +51,7 @@ impl Marched {
     pub(super) fn of_preset(quality: Quality) -> Marched {
         let preset = PhysicalSettings::of(quality);
         Marched {
-            suns: NamedSuns::of(&preset.suns).expect("a test goes through all"),
+            suns: NamedSuns::of(&preset.suns.basis(Walls::None)).expect("a test goes through all"),
             ordinates: preset.ordinates,
             rays: 1,
             parts: preset.parts,
@@ -129,8 +130,7 @@ impl Transport {
             }
             Transport::Physical(Marched { suns, ordinates, rays, parts, field, tolerance }) => {
                 ModelSettings::Physical(PhysicalSettings {
-                    suns: suns.basis(),
-                    enclosed_suns: suns.basis(),
+                    suns: SunChoice::Fixed(suns.basis()),
                     ordinates,
                     rays: Some(rays),
                     parts,

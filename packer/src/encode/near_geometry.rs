@@ -19,7 +19,7 @@ use crate::rate::{
 use crate::{EncodeSettings, EncodedPage, EncodedSection, PackError};
 use flb_format::SpeciesFields;
 
-use super::{StoredBlocks, section, store};
+use super::{section, store};
 
 /// What [`encode`] makes.
 pub(super) struct Encoded {
@@ -72,7 +72,7 @@ pub(super) fn encode(
     let rate = RateSettings {
         coding: if settings.codec == Codec::Haar { DetailCoding::Haar } else { DetailCoding::Classed },
         target: settings.target,
-        all_blocks: settings.blocks == StoredBlocks::All,
+        all_blocks: settings.has_all_blocks(),
         page_bytes: settings.page_bytes,
     };
     let coded = match harmonics(fields) {

@@ -92,6 +92,15 @@ impl EncodeSettings {
         EncodeSettings::of(Quality::Reference, Codec::Classed)
     }
 
+    /// Whether blocks away from geometry are stored, too.
+    pub fn has_all_blocks(&self) -> bool {
+        match self.blocks {
+            StoredBlocks::Usual => !self.codec.is_near_geometry(),
+            StoredBlocks::All => true,
+            StoredBlocks::NearGeometry => false,
+        }
+    }
+
     /// The papers' blocks, all of them, without any loss: for comparing.
     pub fn papers() -> EncodeSettings {
         EncodeSettings {

@@ -1,7 +1,7 @@
 //! What a user sees of solids: baked light on their walls against paths, at rising lattices; and no trace of the
 //! lattice on a smooth wall.
 
-use flb_baker::bake::{BakeSettings, ModelSettings, PhysicalSettings};
+use flb_baker::bake::{BakeSettings, ModelSettings, PhysicalSettings, SunChoice};
 use flb_eval::figures::{ClassJudgement, Figures};
 use flb_fixtures::PlantKind;
 use flb_format::light::SunBasis;
@@ -19,7 +19,7 @@ fn ball() -> Mesh {
 
 fn settings(lattice: u32) -> BakeSettings {
     let model = PhysicalSettings {
-        suns: SunBasis::Harmonics { degree: 1, single: true },
+        suns: SunChoice::Fixed(SunBasis::Harmonics { degree: 1, single: true }),
         ordinates: Ordinates::Lebedev50,
         ..PhysicalSettings::default()
     };
