@@ -58,7 +58,9 @@ pub struct Need {
 /// If there are not as many bounds as species.
 pub fn plan(scene: &Scene, bounds: &[Option<Bounds>]) -> Outline {
     assert_eq!(bounds.len(), scene.species.len(), "one bounds per species");
-    let reach = Reach::new(&sun_set(&scene.suns));
+    let mut suns = sun_set(&scene.suns);
+    suns.fixed_deg.extend(scene.sunlight.added.iter().map(|one| one.sun_deg));
+    let reach = Reach::new(&suns);
     let sky = match (&scene.sky, scene.ambient == Some(0.0)) {
         (_, true) => BaseSet::NONE,
         (SceneSky::Even, false) => BaseSet::NONE.with(0),
@@ -140,6 +142,10 @@ fn reason(scene: &Scene, has_sun: bool) -> String {
             path.to
         ),
     };
+    let added = match scene.sunlight.added.len() {
+        0 => String::new(),
+        added => format!(" and {added} more"),
+    };
     let upright = scene.species.iter().filter(|species| species.upright).count();
     let turns = match upright {
         all if all == scene.species.len() => "plants that turn only about the vertical",
@@ -151,7 +157,7 @@ fn reason(scene: &Scene, has_sun: bool) -> String {
         (SceneSky::Even, false) => "",
         (SceneSky::Clear { .. } | SceneSky::Image(_), false) => ", an uneven sky",
     };
-    format!("{suns}, {turns}{sky}")
+    format!("{suns}{added}, {turns}{sky}")
 }
 
 #[cfg(test)]

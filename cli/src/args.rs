@@ -15,6 +15,7 @@ mod scene;
 mod scene_light;
 mod sky;
 mod stream;
+mod sunlight;
 mod torture;
 mod trade;
 mod values;
@@ -44,6 +45,7 @@ pub(crate) use scene::SceneArgs;
 pub(crate) use scene_light::SceneLightArgs;
 pub(crate) use sky::SkyArgs;
 pub(crate) use stream::StreamArgs;
+pub(crate) use sunlight::SunlightArgs;
 pub(crate) use torture::TortureArgs;
 pub(crate) use trade::TradeArgs;
 #[cfg(feature = "view")]

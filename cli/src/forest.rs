@@ -96,6 +96,8 @@ pub(crate) fn run(args: &RenderArgs) -> Result<u8, Failure> {
         size: args.size,
         samples: args.samples.unwrap_or(4),
         ambient: args.ambient,
+        irradiance: args.sunlight.sun_irradiance,
+        added_suns: args.sunlight.added(),
         look: Look {
             indirect: args.indirect,
             indirect_scale: args.indirect_scale.unwrap_or(default.indirect_scale),

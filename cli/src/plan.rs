@@ -7,7 +7,7 @@ use flb_files::publish;
 use flb_format::bases::BaseSet;
 use flb_format::meta::Bounds;
 use flb_runtime::Library;
-use flb_scene::scene::{Scene, SceneSky, SceneSpecies, Suns};
+use flb_scene::scene::{Scene, SceneSky, SceneSpecies, Sunlight, Suns};
 use serde::Serialize;
 
 use crate::args::PlanArgs;
@@ -120,6 +120,7 @@ fn scene(args: &PlanArgs) -> Result<Scene, Failure> {
             ambient: None,
             sky: SceneSky::Even,
             suns: Suns::Sky,
+            sunlight: Sunlight::default(),
             camera: None,
             ground: None,
             water: None,

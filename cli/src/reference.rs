@@ -139,7 +139,14 @@ fn code(text: &str) -> Vec<String> {
 
 /// The long flags of a command, those of every command included.
 fn flags(command: &Command) -> BTreeSet<String> {
-    command.get_arguments().filter_map(|one| one.get_long()).map(|name| format!("--{name}")).collect()
+    let names = |one: &clap::Arg| {
+        one.get_long()
+            .into_iter()
+            .chain(one.get_visible_aliases().unwrap_or_default())
+            .map(|name| format!("--{name}"))
+            .collect::<Vec<_>>()
+    };
+    command.get_arguments().flat_map(names).collect()
 }
 
 /// `--flag` of `--flag=VALUE` and `--flag[=BOOL]`.

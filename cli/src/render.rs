@@ -211,6 +211,7 @@ fn look(args: &RenderArgs, meta: &SpeciesMeta, sky: &StageSky) -> Result<(PlantL
         },
         ambient: args.ambient,
         sky: sky.clone(),
+        sunlight: args.sunlight.of_a_plant(),
         is_path_traced: args.path_traced,
     };
     Ok((look, args.exposure.unwrap_or(units.default_exposure())))

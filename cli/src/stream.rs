@@ -122,7 +122,13 @@ pub(crate) fn run(args: &StreamArgs) -> Result<u8, Failure> {
     let need = |frame: usize| {
         let t = if frames > 1 { frame as f64 / (frames - 1) as f64 } else { 0.0 };
         let (camera, daylight) = seen(&scene, &path.at(t));
-        finder.find_over_water(&placed, &camera, water_m, &daylight)
+        let mut need = finder.find_over_water(&placed, &camera, water_m, &daylight);
+        for added in &scene.sunlight.added {
+            let towards_sun = towards_sun(added.sun_deg[0], added.sun_deg[1]);
+            let alone = Daylight { towards_sun, sun: 1.0, sky: 0.0 };
+            need.add(&finder.find_over_water(&placed, &camera, water_m, &alone));
+        }
+        need
     };
     let link = Link {
         round_trip_s: args.rtt / 1e3,

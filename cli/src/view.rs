@@ -87,6 +87,8 @@ pub(crate) fn run(args: &ViewArgs) -> Result<u8, Failure> {
         size: None,
         samples: args.samples,
         ambient: args.ambient,
+        irradiance: args.sunlight.sun_irradiance,
+        added_suns: args.sunlight.added(),
         look: Look::default(),
         show: SceneShow::Light,
     };

@@ -56,6 +56,17 @@ impl Picture {
         Ok(Picture { rgb, ..*self })
     }
 
+    /// Adds another picture of the same size, times a factor per band: light adds up.
+    ///
+    /// # Panics
+    /// If the other one has another number of values.
+    pub fn add(&mut self, other: &Picture, factor: [f32; 3]) {
+        assert_eq!(self.rgb.len(), other.rgb.len(), "pictures of one size");
+        for (sum, more) in self.rgb.chunks_exact_mut(3).zip(other.rgb.chunks_exact(3)) {
+            (0..3).for_each(|band| sum[band] += more[band] * factor[band]);
+        }
+    }
+
     /// 8-bit sRGB, `[y][x][band]`: exposed by `exposure` stops, put through a filmic curve, encoded.
     pub fn tone_mapped(&self, exposure: f32) -> Vec<u8> {
         let gain = libm::exp2f(exposure);

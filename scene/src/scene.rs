@@ -14,6 +14,8 @@
 //! fixed = [[135.0, 40.0]]        # azimuth and elevation, degrees, as `flb render --sun`
 //! # path = { latitude_deg = 52.5, longitude_deg = 13.4, from = 2026-06-01, to = 2026-08-31 }  # whole days;
 //!                                # `flb render --frames` takes the first from sunrise to sunset
+//! # irradiance = [1.0, 0.9, 0.7] # R, G, B, or one number for all; 1 is the default
+//! # added = [{ at = [250.0, 20.0], irradiance = 0.1 }]  # further suns in the same picture, which stand still
 //!
 //! [camera]                       # default: none; then no lattice is chosen
 //! position_m = [0.0, 1.7, 12.0]  # or path_m = [[...], [...]]: straight lines between these
@@ -66,6 +68,7 @@ pub mod scatter;
 mod sky;
 mod sun;
 mod sun_hours;
+mod sunlight;
 mod syntax;
 mod water;
 
@@ -87,6 +90,7 @@ pub(crate) use reading::MAX_COORDINATE_M;
 pub use sky::SceneSky;
 pub use sun::MAX_FIXED_SUNS;
 pub use sun_hours::{Instant, SunAt, SunHours};
+pub use sunlight::{AddedSun, MAX_ADDED_SUNS, MAX_IRRADIANCE, Sunlight, irradiance};
 pub use water::Water;
 
 /// A scene whose every value is in its range.
@@ -103,6 +107,8 @@ pub struct Scene {
     pub sky: SceneSky,
     /// Suns that may shine on the scene.
     pub suns: Suns,
+    /// Light of each of these suns, and further suns beside it.
+    pub sunlight: Sunlight,
     /// Camera that looks at the scene.
     pub camera: Option<Camera>,
     /// Ground on which the plants stand.

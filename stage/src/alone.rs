@@ -8,15 +8,17 @@ use flb_format::progress::Progress;
 use flb_format::sun::towards_sun;
 use flb_render::reference::render_reference;
 use flb_render::shading::Units;
-use flb_render::{LightQuery, Lighting, Look, Picture, Portrait, Shading, Species, render_plant};
+use flb_render::{LightQuery, Look, Picture, Portrait, Shading, Species, render_plant};
 use flb_runtime::light::LightCursors;
 use flb_runtime::{InstanceLight, SpeciesLight};
+use flb_scene::scene::Sunlight;
 use flb_scene::sky::Sky;
 use flb_scene::{ClassedMesh, Observer, Step};
 
 use crate::frames::subject;
 use crate::light::{by_day, even_sky, load_for, shows_fields};
 use crate::look::sun_strength;
+use crate::parts::{Part, Parts, Sources};
 use crate::plant::PlantLight;
 use crate::{StageError, StageSky};
 
@@ -32,6 +34,8 @@ pub struct PlantLook {
     pub ambient: Option<f32>,
     /// The sky.
     pub sky: StageSky,
+    /// Light of the sun, and further suns.
+    pub sunlight: Sunlight,
     /// Whether light is followed by paths on the mesh, in place of the file's: what that is judged by.
     pub is_path_traced: bool,
 }
@@ -76,7 +80,8 @@ impl<'p> PlantRenderer<'p> {
         let light = match !look.is_path_traced && shows_fields(&look.look) {
             false => None,
             true => {
-                let lit = suns_deg.iter().filter(|sun| look.sun_strength(Some(**sun)) > 0.0);
+                let suns = suns_deg.iter().chain(look.sunlight.added.iter().map(|one| &one.sun_deg));
+                let lit = suns.filter(|sun| look.sun_strength(Some(**sun)) > 0.0);
                 let suns = lit.map(|[azimuth, elevation]| towards_sun(*azimuth, *elevation));
                 let ambient = look.even_ambient(plant.shading.units());
                 Some(load_for(&light.library, light.species, suns, ambient)?)
@@ -90,12 +95,16 @@ impl<'p> PlantRenderer<'p> {
     /// # Errors
     /// [`StageError::UnevenSkyOverPaper`], [`StageError::Sky`], [`StageError::Render`], [`StageError::Runtime`].
     pub fn picture(&self, sun_deg: Option<[f64; 2]>, observer: &dyn Observer) -> Result<Picture, StageError> {
-        let PlantRenderer { plant, look: PlantLook { portrait, look, .. }, .. } = self;
-        let lighting = self.lighting(sun_deg)?;
-        let subject = subject(sun_deg);
+        self.parts(sun_deg)?.sum(|part| self.part(part, observer))
+    }
+
+    /// The picture of a part of the light.
+    fn part(&self, part: &Part, observer: &dyn Observer) -> Result<Picture, StageError> {
+        let PlantRenderer { plant, look: PlantLook { portrait, .. }, .. } = self;
+        let Part { lighting, look, sun_deg, .. } = part;
+        let subject = subject(*sun_deg);
         if self.look.is_path_traced {
-            let trace =
-                |progress: &Progress<'_>| render_reference(plant, portrait, &lighting, look, progress);
+            let trace = |progress: &Progress<'_>| render_reference(plant, portrait, lighting, look, progress);
             return Ok(Step::Render.run(observer, &subject, trace)?.picture);
         }
         let sky = match (&lighting.dome, &self.light) {
@@ -107,7 +116,7 @@ impl<'p> PlantRenderer<'p> {
         };
         let prepare = |light| -> Result<InstanceLight<'_>, StageError> {
             let even = even_sky(lighting.daylight.sky);
-            let lit = by_day(light, sky.as_ref(), even, &lighting, &Transform::IDENTITY)?;
+            let lit = by_day(light, sky.as_ref(), even, lighting, &Transform::IDENTITY)?;
             Ok(match plant.shading.surfaces() {
                 None => lit,
                 Some(_) => Step::Prepare.run(observer, "", |_| lit.prepared()),
@@ -119,14 +128,15 @@ impl<'p> PlantRenderer<'p> {
             cursors.at_facing(0, point, facing, phi);
         };
         let render =
-            |progress: &Progress<'_>| render_plant(plant, portrait, &lighting, look, &light, progress);
+            |progress: &Progress<'_>| render_plant(plant, portrait, lighting, look, &light, progress);
         Ok(Step::Render.run(observer, &subject, render)?)
     }
 
-    fn lighting(&self, sun_deg: Option<[f64; 2]>) -> Result<Lighting, StageError> {
-        let PlantLook { ambient, sky, .. } = &self.look;
+    fn parts(&self, sun_deg: Option<[f64; 2]>) -> Result<Parts, StageError> {
+        let PlantLook { ambient, sky, sunlight, look, .. } = &self.look;
         let units = self.plant.shading.units();
-        let sun = (sun_deg, self.look.sun_strength(sun_deg));
-        sky.lighting(sun, (self.look.even_ambient(units), *ambient), units)
+        let ambient = (self.look.even_ambient(units), *ambient);
+        let sources = Sources { sky, ambient, sunlight, units, look };
+        sources.parts(sun_deg, |sun_deg| self.look.sun_strength(Some(sun_deg)))
     }
 }

@@ -6,7 +6,7 @@ use std::sync::Arc;
 use flb_format::progress::Progress;
 use flb_gpu::Gpu;
 use flb_render::forest::{Forest, View};
-use flb_render::{Lighting, Picture};
+use flb_render::{Lighting, Look, Picture};
 use flb_render_gpu::{
     self as on_gpu, ForestError, ForestSettings, GpuForest, LightSet, LightSource, can_light,
 };
@@ -114,8 +114,7 @@ impl Fleet {
     pub(crate) fn picture(
         &mut self,
         view: &View,
-        lighting: &Lighting,
-        look: &SceneLook,
+        (lighting, look): (&Lighting, &Look),
         shade: Option<&SceneLightAtSun<'_>>,
         (subject, observer): (&str, &dyn Observer),
     ) -> Result<Picture, StageError> {
@@ -130,7 +129,7 @@ impl Fleet {
             self.fleet.set_scene_light(shade)?;
             self.shaded = Some(sun);
         }
-        let relight = |_: &Progress<'_>| self.fleet.relight(lighting, &look.look);
+        let relight = |_: &Progress<'_>| self.fleet.relight(lighting, look);
         let picture = Step::Relight.run(observer, subject, relight)?;
         for (_, error) in self.fleet.lost().filter(|(number, _)| self.told.insert(*number)) {
             observer.note(&format!("warning: {error}: the other GPUs do its part"));

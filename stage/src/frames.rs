@@ -30,13 +30,6 @@ pub struct FrameSettings {
     pub needs_sun: bool,
 }
 
-impl SceneFrame {
-    /// Its sun, as steps name it.
-    pub(crate) fn subject(&self) -> String {
-        subject(self.sun_deg)
-    }
-}
-
 /// A sun, or none, as steps name it.
 pub(crate) fn subject(sun_deg: Option<[f64; 2]>) -> String {
     sun_deg.map_or("no sun".to_owned(), |[azimuth, elevation]| format!("sun {azimuth},{elevation}"))

@@ -66,6 +66,7 @@ mod look;
 mod mesh_of_light;
 mod neighbours;
 pub mod open;
+mod parts;
 pub mod plant;
 pub mod read;
 mod renderer;

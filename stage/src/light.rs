@@ -18,9 +18,9 @@ pub(crate) fn load(
     frames: &[SceneFrame],
     look: &SceneLook,
 ) -> Result<Vec<Option<SpeciesLight<'static>>>, StageError> {
-    let lit = frames.iter().filter(|frame| look.strength(frame.sun_deg) > 0.0);
-    let suns: Vec<[f64; 3]> = lit
-        .filter_map(|frame| frame.sun_deg)
+    let suns: Vec<[f64; 3]> = frames
+        .iter()
+        .flat_map(|frame| look.suns_of(frame.sun_deg))
         .map(|[azimuth, elevation]| flb_format::sun::towards_sun(azimuth, elevation))
         .collect();
     let load = |(number, plant): (usize, &crate::plant::ScenePlant)| {

@@ -3,7 +3,9 @@
 use flb_render::forest::View;
 use flb_render::shading::Units;
 use flb_render::{Lighting, Look};
+use flb_scene::scene::{AddedSun, Sunlight};
 
+use crate::parts::{Parts, Sources};
 use crate::{SceneFrame, Stage, StageError, StageSky};
 
 /// Rays that look for the sky from each point of the ground that the camera sees.
@@ -17,13 +19,13 @@ pub enum SceneShow {
     #[default]
     Light,
     /// Scene light by itself, on the CPU, in grey: the light that plants have among their neighbours over the light
-    /// that they have alone, the sun and the sky together, linear.
+    /// that they have alone, the sun and the sky together, linear. The sun is white, of irradiance 1, and alone.
     Global,
 }
 
 /// Size, rays and light that a caller chooses for all frames; `None` is the default of the scene, or of its plants'
 /// model.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, PartialEq)]
 pub struct LookSettings {
     /// Width and height, pixels; by default 16:9 by the height of the scene's camera, or 512.
     pub size: Option<[u32; 2]>,
@@ -31,6 +33,10 @@ pub struct LookSettings {
     pub samples: u32,
     /// Light of the sky: fluence, a factor on base 0 in the `paper` shading, a factor on a clear sky.
     pub ambient: Option<f32>,
+    /// Irradiance of the sun, R, G, B, as [`Sunlight::irradiance`].
+    pub irradiance: Option<[f32; 3]>,
+    /// Further suns.
+    pub added_suns: Option<Vec<AddedSun>>,
     /// Parts of the light that are shown.
     pub look: Look,
     /// Content of the frames.
@@ -52,6 +58,8 @@ pub struct SceneLook {
     pub show: SceneShow,
     /// The sky.
     pub sky: StageSky,
+    /// Light of the sun of a frame, and further suns.
+    pub sunlight: Sunlight,
     /// Whether the sun goes down behind a ground, or water.
     has_ground: bool,
     units: Units,
@@ -82,6 +90,10 @@ impl SceneLook {
             look: settings.look,
             show: settings.show,
             sky,
+            sunlight: Sunlight {
+                irradiance: settings.irradiance.unwrap_or(scene.sunlight.irradiance),
+                added: settings.added_suns.clone().unwrap_or_else(|| scene.sunlight.added.clone()),
+            },
             has_ground: stage.has_ground(),
             units,
             asked_ambient,
@@ -100,7 +112,28 @@ impl SceneLook {
         sun_strength(sun_deg, has_horizon)
     }
 
-    /// The light of a frame.
+    /// The light of a frame, in parts that add up; of its look `shown` is shown.
+    pub(crate) fn parts(&self, sun_deg: Option<[f64; 2]>, shown: &Look) -> Result<Parts, StageError> {
+        let sources = Sources {
+            sky: &self.sky,
+            ambient: (self.ambient, self.asked_ambient),
+            sunlight: &self.sunlight,
+            units: self.units,
+            look: shown,
+        };
+        match self.show {
+            SceneShow::Light => sources.parts(sun_deg, |sun_deg| self.strength(Some(sun_deg))),
+            SceneShow::Global => Ok(Parts::of_white(self.lighting(sun_deg)?, sun_deg, shown)),
+        }
+    }
+
+    /// Suns of a frame that light the scene.
+    pub(crate) fn suns_of(&self, sun_deg: Option<[f64; 2]>) -> impl Iterator<Item = [f64; 2]> {
+        let suns = sun_deg.into_iter().chain(self.sunlight.added.iter().map(|one| one.sun_deg));
+        suns.filter(|sun_deg| self.strength(Some(*sun_deg)) > 0.0)
+    }
+
+    /// The light of a frame as if its sun were white and alone, of irradiance 1.
     ///
     /// # Errors
     /// [`StageError::Sky`].

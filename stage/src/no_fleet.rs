@@ -1,7 +1,7 @@
 //! In place of `fleet.rs` in a build without the feature `gpu`.
 
 use flb_render::forest::{Forest, View};
-use flb_render::{Lighting, Picture};
+use flb_render::{Lighting, Look, Picture};
 use flb_runtime::scene_light::SceneLightAtSun;
 use flb_scene::Observer;
 
@@ -36,8 +36,7 @@ impl Fleet {
     pub(crate) fn picture(
         &mut self,
         _: &View,
-        _: &Lighting,
-        _: &SceneLook,
+        _: (&Lighting, &Look),
         _: Option<&SceneLightAtSun<'_>>,
         _: (&str, &dyn Observer),
     ) -> Result<Picture, StageError> {

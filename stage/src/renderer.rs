@@ -10,8 +10,10 @@ use flb_runtime::light::{LightCursors, SkyBeams};
 use flb_scene::{Observer, Step};
 
 use crate::fleet::Fleet;
+use crate::frames::subject;
 use crate::look::SceneShow;
 use crate::neighbours::Neighbours;
+use crate::parts::Part;
 use crate::{Backend, SceneFrame, SceneLook, Stage, StageError, light};
 
 /// Makes frames of a stage in the light of whole files.
@@ -99,30 +101,33 @@ impl<'s> SceneRenderer<'s> {
     /// # Errors
     /// [`StageError::Render`], [`StageError::Runtime`]; of GPUs, when the last one was lost.
     pub fn picture(&mut self, frame: &SceneFrame, observer: &dyn Observer) -> Result<Picture, StageError> {
-        let lighting = self.look.lighting(frame.sun_deg)?;
+        let view = self.look.view(frame);
+        self.look.parts(frame.sun_deg, &self.look.look)?.sum(|part| self.part(&view, part, observer))
+    }
+
+    /// The picture of a part of the light.
+    fn part(&mut self, view: &View, part: &Part, observer: &dyn Observer) -> Result<Picture, StageError> {
+        let Part { lighting, look, sun_deg, .. } = part;
         if let Some(neighbours) = self.neighbours.as_mut().filter(|one| !one.is_at(&lighting.daylight)) {
             Step::Shade.run(observer, "", |_| neighbours.turn(&lighting.daylight))?;
         }
         let shade = self.neighbours.as_ref().and_then(Neighbours::shade);
-        let view = self.look.view(frame);
-        let subject = frame.subject();
+        let subject = subject(*sun_deg);
         let OnCpu { light, beams, camera } = match &mut self.on {
-            On::Gpus(fleet) => {
-                return fleet.picture(&view, &lighting, &self.look, shade, (&subject, observer));
-            }
+            On::Gpus(fleet) => return fleet.picture(view, (lighting, look), shade, (&subject, observer)),
             On::Cpu(cpu) => &mut **cpu,
         };
         let forest = &self.forest;
-        let trace = || Step::Trace.run(observer, "", |progress| forest.trace(&view, progress));
-        let fragments = camera.fragments(&view, trace)?;
+        let trace = || Step::Trace.run(observer, "", |progress| forest.trace(view, progress));
+        let fragments = camera.fragments(view, trace)?;
         let placements = &self.stage.scene.instances;
         let find = |dome| Step::Sky.run(observer, &subject, |_| light::skies(beams, placements, dome));
         let skies = lighting.dome.as_ref().map(find).transpose()?;
-        let lit = light::of_plants(light, skies.as_ref(), placements, &lighting, shade, self.look.samples)?;
+        let lit = light::of_plants(light, skies.as_ref(), placements, lighting, shade, self.look.samples)?;
         let cursors = LightCursors::new(&lit);
         if self.look.show == SceneShow::Global {
             let bare =
-                light::of_plants(light, skies.as_ref(), placements, &lighting, None, self.look.samples)?;
+                light::of_plants(light, skies.as_ref(), placements, lighting, None, self.look.samples)?;
             let bare = LightCursors::new(&bare);
             let show = |LightQuery { instance, point, facing }: LightQuery, color: &mut [f32; 3]| {
                 let [mut among, mut alone] = [[0.0; 3]; 2];
@@ -135,8 +140,7 @@ impl<'s> SceneRenderer<'s> {
         let light = |LightQuery { instance, point, facing }: LightQuery, phi: &mut [f32; 3]| {
             cursors.at_facing(instance as usize, point, facing, phi);
         };
-        let relight =
-            |progress: &Progress<'_>| forest.relight(fragments, &lighting, &self.look.look, &light, progress);
+        let relight = |progress: &Progress<'_>| forest.relight(fragments, lighting, look, &light, progress);
         Ok(Step::Relight.run(observer, &subject, relight)?)
     }
 

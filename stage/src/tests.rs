@@ -5,8 +5,8 @@ use flb_format::Codec;
 use flb_format::eye::Eye;
 use flb_format::light::SunBasis;
 use flb_render::shading::Units;
-use flb_render::{Indirect, Look, Picture, Portrait};
-use flb_scene::scene::{Camera, Ground, Scene, SceneSky, SceneSpecies, Suns, Terrain};
+use flb_render::{Indirect, Look, Picture, Portrait, Shading};
+use flb_scene::scene::{Camera, Ground, Scene, SceneSky, SceneSpecies, Sunlight, Suns, Terrain};
 use flb_scene::{ClassedMesh, ImportSettings, Observer, Unobserved};
 use flb_testkit::{plants, scenes};
 
@@ -16,8 +16,8 @@ use crate::plant::{PlantLight, ScenePlant};
 use crate::stream::{Painter, Shot, Show};
 use crate::*;
 
-const SIZE: [u32; 2] = [64, 48];
-const SUN_DEG: [f64; 2] = [120.0, 40.0];
+pub(crate) const SIZE: [u32; 2] = [64, 48];
+pub(crate) const SUN_DEG: [f64; 2] = [120.0, 40.0];
 
 /// Six plants of two species on a ground, and their light.
 pub(crate) fn stand() -> Stage {
@@ -25,12 +25,21 @@ pub(crate) fn stand() -> Stage {
 }
 
 pub(crate) fn stand_of(suns: &SunBasis) -> Stage {
-    let lit = [("a", Some(suns.clone())), ("b", Some(suns.clone()))];
+    stand_in(Some(suns), scenes::physical())
+}
+
+/// Of the model `paper`.
+pub(crate) fn stand_of_paper() -> Stage {
+    stand_in(None, Shading::Paper)
+}
+
+fn stand_in(suns: Option<&SunBasis>, shading: Shading) -> Stage {
+    let lit = [("a", suns.cloned()), ("b", suns.cloned())];
     let library = Arc::new(scenes::library(&lit, Codec::Classed));
     let plant = |(kind, species)| ScenePlant {
         mesh: ClassedMesh { mesh: scenes::plant(kind, 600), classes: scenes::CLASSES.to_vec() },
         read_as: ImportSettings::default(),
-        shading: scenes::physical(),
+        shading,
         light: Some(PlantLight { library: Arc::clone(&library), species }),
         matched: None,
     };
@@ -42,6 +51,7 @@ pub(crate) fn stand_of(suns: &SunBasis) -> Stage {
         ambient: None,
         sky: SceneSky::Even,
         suns: Suns::Fixed(vec![SUN_DEG, [250.0, 15.0]]),
+        sunlight: Sunlight::default(),
         camera: Some(Camera {
             path_m: vec![position_m, aside(position_m)],
             look_at_m: Some(vec![look_at_m]),
@@ -63,6 +73,8 @@ pub(crate) fn look(stage: &Stage, sky: StageSky) -> SceneLook {
         size: Some(SIZE),
         samples: 1,
         ambient: Some(0.4),
+        irradiance: None,
+        added_suns: None,
         look: Look::default(),
         show: SceneShow::Light,
     };
@@ -74,7 +86,7 @@ fn renderer<'s>(stage: &'s Stage, frames: &[SceneFrame], sky: StageSky) -> Scene
 }
 
 /// Largest difference of two pictures.
-fn apart(one: &Picture, other: &Picture) -> f32 {
+pub(crate) fn apart(one: &Picture, other: &Picture) -> f32 {
     one.rgb.iter().zip(&other.rgb).fold(0.0, |worst: f32, (a, b)| worst.max((a - b).abs()))
 }
 
@@ -113,7 +125,8 @@ fn of_a_plant_alone_direct_and_indirect_light_make_the_picture() {
         let [width, height] = SIZE;
         let portrait = Portrait { width, height, samples: 2, ..Portrait::default() };
         let look = Look { indirect, ..Look::default() };
-        let look = PlantLook { portrait, look, ambient: None, sky, is_path_traced: false };
+        let sunlight = Sunlight::default();
+        let look = PlantLook { portrait, look, ambient: None, sky, sunlight, is_path_traced: false };
         let renderer = PlantRenderer::new(&plant.mesh, light, look, &[SUN_DEG]).expect("it is read");
         renderer.picture(Some(SUN_DEG), &Unobserved).expect("a picture")
     };

@@ -3,7 +3,7 @@ use proptest::prelude::*;
 
 use super::*;
 use flb_format::sun::{blend, towards_sun};
-use flb_scene::scene::{Camera, SceneSky, SceneSpecies, SunPath};
+use flb_scene::scene::{AddedSun, Camera, SceneSky, SceneSpecies, SunPath, Sunlight};
 
 fn path(text: &str) -> SunPath {
     text.parse().expect("a path")
@@ -18,6 +18,7 @@ fn scene(suns: Suns, instances: Vec<Placement>) -> Scene {
         ambient: None,
         sky: SceneSky::Even,
         suns,
+        sunlight: Sunlight::default(),
         camera: None,
         ground: None,
         water: None,
@@ -100,6 +101,21 @@ fn without_ambient_light_base_0_is_left_out() {
     let found = plan(&dark, &[None]);
     assert!(!found.species[0].bases.contains(0) && found.species[0].bases.len() == 13);
     assert!(found.reason.ends_with(", no ambient light"), "{}", found.reason);
+}
+
+#[test]
+fn a_further_sun_needs_its_bases_too() {
+    let low = || scene(Suns::Fixed(vec![[90.0, 10.0]]), vec![turned(yaw(0.0))]);
+    let added = |sun_deg| {
+        let mut scene = low();
+        scene.sunlight.added.push(AddedSun { sun_deg, irradiance: [1.0; 3] });
+        plan(&scene, &[None])
+    };
+    let [alone, more] = [plan(&low(), &[None]), added([270.0, 10.0])];
+    let other = plan(&scene(Suns::Fixed(vec![[270.0, 10.0]]), vec![turned(yaw(0.0))]), &[None]);
+    assert_ne!(more.species[0].bases, alone.species[0].bases);
+    assert_eq!(more.species[0].bases, alone.species[0].bases.union(other.species[0].bases));
+    assert!(more.reason.starts_with("the sun at 90,10 and 1 more, plants"), "{}", more.reason);
 }
 
 #[test]

@@ -375,6 +375,7 @@ fn a_digest_tells_plants_and_ground_apart_and_nothing_else() {
         ambient: None,
         sky: SceneSky::Even,
         suns: scene::Suns::Sky,
+        sunlight: scene::Sunlight::default(),
         camera: None,
         ground: Some(scene::Ground { terrain: Terrain::Plane { height_m: 0.0 }, color: [0.2; 3] }),
         water: None,
@@ -387,6 +388,7 @@ fn a_digest_tells_plants_and_ground_apart_and_nothing_else() {
     let seen = Scene {
         ambient: Some(0.5),
         suns: scene::Suns::Fixed(vec![[0.0, 10.0]]),
+        sunlight: scene::Sunlight { irradiance: [0.5; 3], ..Default::default() },
         light: file.clone(),
         water: Some(scene::Water { height_m: 0.5, color: [0.1; 3] }),
         species: vec![SceneSpecies { file, ..species("oak") }, species("pine")],

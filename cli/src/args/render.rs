@@ -12,7 +12,7 @@ use super::values::{angle_pair, existing, exposure, size};
 use flb_stage::SceneShow;
 use flb_stage::backend::GpuCount;
 
-use super::{BandArgs, MemoryArgs, SceneLightArgs, SkyArgs};
+use super::{BandArgs, MemoryArgs, SceneLightArgs, SkyArgs, SunlightArgs};
 
 #[derive(Args)]
 pub(crate) struct RenderArgs {
@@ -29,6 +29,8 @@ pub(crate) struct RenderArgs {
     /// contact sheet of several suns side by side [default: a scene's first fixed sun]
     #[arg(long, value_name = "AZIMUTH,ELEVATION", value_parser = angle_pair, allow_hyphen_values = true)]
     pub sun: Vec<[f64; 2]>,
+    #[command(flatten)]
+    pub sunlight: SunlightArgs,
     /// Take so many pictures of a scene while its sun goes along --sun-path, or from the first to the last of the suns
     /// (of --sun, else the scene's), and its camera along its path: OUT-0001.png and so on
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=9999))]

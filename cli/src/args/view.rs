@@ -7,7 +7,7 @@ use flb_files::Existing;
 use flb_view::Show;
 
 use super::values::{above_0, angle_pair, existing, exposure, size};
-use super::{BandArgs, MemoryArgs, RenderBackendArg, SceneLightArgs, SkyArgs};
+use super::{BandArgs, MemoryArgs, RenderBackendArg, SceneLightArgs, SkyArgs, SunlightArgs};
 
 #[derive(Args)]
 pub(crate) struct ViewArgs {
@@ -18,6 +18,8 @@ pub(crate) struct ViewArgs {
     /// first fixed sun, else 135,40]
     #[arg(long, value_name = "AZIMUTH,ELEVATION", value_parser = angle_pair, allow_hyphen_values = true)]
     pub sun: Option<[f64; 2]>,
+    #[command(flatten)]
+    pub sunlight: SunlightArgs,
     /// What is shown to begin with: `all`, `indirect`, `direct`, `base:N` (the light of one base), `level` (green: all
     /// there, yellow: averages, orange: other bases, red: nothing), `residency` (white: all detail is loaded), `error`
     /// (white: 10 % off what the whole file has)

@@ -44,6 +44,19 @@ impl Need {
     pub fn seen(&self) -> impl Iterator<Item = (usize, &SpeciesNeed)> {
         self.species.iter().enumerate().filter(|(_, seen)| seen.pixels > 0.0)
     }
+
+    /// Adds the need of the same plants and camera under a further sun: squares of weights add up.
+    ///
+    /// # Panics
+    /// If it is of other species.
+    pub fn add(&mut self, other: &Need) {
+        assert_eq!(self.species.len(), other.species.len(), "needs of the same species");
+        for (sum, more) in self.species.iter_mut().zip(&other.species) {
+            sum.bases.iter_mut().zip(&more.bases).for_each(|(sum, more)| *sum += more);
+            sum.detail.iter_mut().zip(&more.detail).for_each(|(sum, more)| *sum += more);
+            sum.is_now.iter_mut().zip(&more.is_now).for_each(|(now, more)| *now |= more);
+        }
+    }
 }
 
 /// Pixels and weights of what a frame shows of a species.

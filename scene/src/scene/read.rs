@@ -15,6 +15,7 @@ use super::parts::{Parts, Size};
 use super::reading::{Checked, Reading};
 use super::sky::RawSky;
 use super::sun::RawSun;
+use super::sunlight::Sunlight;
 use super::syntax::shown;
 use super::water::RawWater;
 use super::{Scene, SceneSpecies, Suns};
@@ -188,12 +189,17 @@ impl Reading<'_> {
         }
         let ground = raw.ground.map(|ground| self.ground(ground)).transpose()?;
         let water = raw.water.map(|water| self.water(water, ground.as_ref())).transpose()?;
+        let (suns, sunlight) = match raw.sun {
+            Some(sun) => self.suns(sun)?,
+            None => (Suns::Sky, Sunlight::default()),
+        };
         Ok(Scene {
             bands: raw.bands.map(|bands| self.bands(bands)).transpose()?,
             light: raw.light.map(|light| self.folder.join(light)),
             ambient,
             sky,
-            suns: raw.sun.map_or(Ok(Suns::Sky), |sun| self.suns(sun))?,
+            suns,
+            sunlight,
             camera: raw.camera.map(|camera| self.camera(camera)).transpose()?,
             ground,
             water,

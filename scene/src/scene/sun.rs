@@ -8,17 +8,24 @@ use toml::value::Datetime;
 use toml::{Spanned, Value};
 
 use super::reading::{Checked, Reading};
+use super::sunlight::{Sunlight, pair};
 use super::{Day, SunPath, Suns};
 use crate::import::{ImportError, excerpt};
 
 /// Suns that stand still.
 pub const MAX_FIXED_SUNS: usize = 1024;
 
-/// One of both. Deserialized by hand, as toml would take a list for a table.
+/// Keys of the table.
+const KEYS: [&str; 4] = ["fixed", "path", "irradiance", "added"];
+
+/// Where the suns stand, as one of `fixed` and `path`, and their light. Deserialized by hand, as toml would take a list
+/// for a table.
 #[derive(Default)]
 pub(super) struct RawSun {
     fixed: Option<Spanned<Value>>,
     path: Option<Spanned<RawPath>>,
+    irradiance: Option<Spanned<Value>>,
+    added: Option<Spanned<Value>>,
 }
 
 #[derive(Deserialize)]
@@ -46,7 +53,9 @@ impl<'de> Deserialize<'de> for RawSun {
                     match key.as_str() {
                         "fixed" => sun.fixed = Some(map.next_value()?),
                         "path" => sun.path = Some(map.next_value()?),
-                        _ => return Err(A::Error::unknown_field(&key, &["fixed", "path"])),
+                        "irradiance" => sun.irradiance = Some(map.next_value()?),
+                        "added" => sun.added = Some(map.next_value()?),
+                        _ => return Err(A::Error::unknown_field(&key, &KEYS)),
                     }
                 }
                 Ok(sun)
@@ -57,10 +66,12 @@ impl<'de> Deserialize<'de> for RawSun {
 }
 
 impl Reading<'_> {
-    pub(super) fn suns(&self, raw: Spanned<RawSun>) -> Checked<Suns> {
+    pub(super) fn suns(&self, raw: Spanned<RawSun>) -> Checked<(Suns, Sunlight)> {
         let at = raw.span().start;
-        match raw.into_inner() {
-            RawSun { fixed: Some(fixed), path: None } => {
+        let RawSun { fixed, path, irradiance, added } = raw.into_inner();
+        let sunlight = self.sunlight(irradiance.as_ref(), added.as_ref())?;
+        let suns = match (fixed, path) {
+            (Some(fixed), None) => {
                 let at = fixed.span().start;
                 let suns = self.fixed(at, fixed.get_ref())?;
                 if suns.is_empty() {
@@ -70,9 +81,9 @@ impl Reading<'_> {
                     self.within(at, "azimuth of sun.fixed", *azimuth, -3600.0, 3600.0)?;
                     self.within(at, "elevation of sun.fixed", *elevation, -90.0, 90.0)?;
                 }
-                Ok(Suns::Fixed(suns))
+                Suns::Fixed(suns)
             }
-            RawSun { fixed: None, path: Some(path) } => {
+            (None, Some(path)) => {
                 let (at, RawPath { latitude_deg, longitude_deg, from, to }) =
                     (path.span().start, path.into_inner());
                 let path = Day::from_toml(from)
@@ -80,30 +91,27 @@ impl Reading<'_> {
                 path.map(Suns::Path).map_err(|message| ImportError::Syntax {
                     file: self.file.to_owned(),
                     message: format!("line {}, sun.path: {message}", self.line(at)),
-                })
+                })?
             }
-            RawSun { fixed, .. } => {
+            (None, None) if irradiance.is_some() || added.is_some() => Suns::Sky,
+            (fixed, _) => {
                 let found = if fixed.is_some() { "fixed and path" } else { "neither fixed nor path" };
-                Err(self.malformed(at, "sun", found, "one of fixed and path"))
+                return Err(self.malformed(at, "sun", found, "one of fixed and path"));
             }
-        }
+        };
+        Ok((suns, sunlight))
     }
 
     /// A list of suns, or one sun.
     fn fixed(&self, at: usize, raw: &Value) -> Checked<Vec<[f64; 2]>> {
-        let number = |value: &Value| value.as_float().or(value.as_integer().map(|whole| whole as f64));
-        let sun = |value: &Value| match value.as_array()?.as_slice() {
-            [azimuth, elevation] => Some([number(azimuth)?, number(elevation)?]),
-            _ => None,
-        };
         let listed = raw.as_array().map_or(0, Vec::len);
         self.limit("sun.fixed", listed, MAX_FIXED_SUNS)?;
-        let suns = match sun(raw) {
+        let suns = match pair(raw) {
             Some(one) => Some(vec![one]),
-            None => raw.as_array().and_then(|list| list.iter().map(sun).collect()),
+            None => raw.as_array().and_then(|list| list.iter().map(pair).collect()),
         };
         suns.ok_or_else(|| {
-            let odd = raw.as_array().and_then(|list| list.iter().find(|value| sun(value).is_none()));
+            let odd = raw.as_array().and_then(|list| list.iter().find(|value| pair(value).is_none()));
             let found = excerpt(odd.unwrap_or(raw).to_string());
             self.malformed(at, "sun.fixed", found, "[azimuth, elevation] in degrees, or a list of them")
         })

@@ -37,6 +37,40 @@ fn one_sun_needs_no_list() {
 }
 
 #[test]
+fn a_sun_has_an_irradiance_and_others_beside_it() {
+    let of =
+        |sun: &str| parse(&format!("sun = {{ {sun} }}\n{SCENE}")).map(|scene| (scene.suns, scene.sunlight));
+    let sunlight = |sun: &str| of(sun).expect(sun).1;
+    assert_eq!(sunlight("fixed = [135, 35]"), Sunlight::default());
+    assert_eq!(sunlight("fixed = [135, 35], irradiance = 2").irradiance, [2.0; 3]);
+    assert_eq!(sunlight("irradiance = [2, 1.5, 0]").irradiance, [2.0, 1.5, 0.0]);
+    assert_eq!(of("irradiance = 2").expect("a scene").0, Suns::Sky);
+    let moon = AddedSun { sun_deg: [10.0, -5.5], irradiance: [0.125; 3] };
+    let white = AddedSun { sun_deg: [20.0, 30.0], irradiance: [1.0; 3] };
+    let two = "added = [{ at = [10, -5.5], irradiance = 0.125 }, { at = [20, 30] }]";
+    assert_eq!(sunlight(two).added, [moon, white]);
+    let refused = |sun: &str| of(sun).expect_err(sun).to_string();
+    for (sun, expected) in [
+        ("irradiance = 0", "line 1, sun.irradiance is 0, expected 0 to 10^6, and not 0 in all bands"),
+        ("irradiance = [1, -1, 0]", "expected 0 to 10^6, and not 0 in all bands"),
+        ("irradiance = nan", "expected 0 to 10^6"),
+        ("irradiance = [1, 2]", "expected one number, or three for R, G, B"),
+        ("irradiance = \"red\"", "expected one number, or three for R, G, B"),
+        ("added = [[10, 20]]", "expected a list of { at = [azimuth, elevation], irradiance = ... }"),
+        ("added = { at = [10, 20] }", "expected a list of"),
+        ("added = [{ at = [10, 20], colour = 1 }]", "expected a list of"),
+        ("added = [{ irradiance = 1 }]", "expected a list of"),
+        ("added = [{ at = [10, 95] }]", "elevation of sun.added is 95, expected -90 to 90"),
+        ("added = [{ at = [10, 20], irradiance = -1 }]", "irradiance of sun.added is -1, expected 0 to 10^6"),
+        ("lux = 1", "unknown field `lux`"),
+    ] {
+        assert!(refused(sun).contains(expected), "{sun}: {}", refused(sun));
+    }
+    let many = format!("added = [{}]", "{ at = [10, 20] }, ".repeat(MAX_ADDED_SUNS + 1));
+    assert!(refused(&many).contains("sun.added"), "{}", refused(&many));
+}
+
+#[test]
 fn what_a_scene_does_not_say_has_a_default() {
     let scene = parse(SCENE).expect("it is sound");
     assert_eq!((scene.bands, scene.ambient, scene.suns, scene.camera), (None, None, Suns::Sky, None));

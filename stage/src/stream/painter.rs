@@ -11,9 +11,9 @@ use flb_format::sun::towards_sun;
 #[cfg(feature = "gpu")]
 use flb_gpu::Gpu;
 use flb_render::forest::{Eye, Forest, Fragments, Search, View};
-use flb_render::{Indirect, LightFn, LightQuery, Lighting, Look, Picture};
+use flb_render::{Indirect, LightQuery, Lighting, Look, Picture};
 use flb_runtime::light::{LightCursors, SkyBeams};
-use flb_runtime::residency::{NeedFinder, Placed, ResidencySettings};
+use flb_runtime::residency::{Need, NeedFinder, Placed, ResidencySettings};
 use flb_runtime::resident::ResidentSpecies;
 use flb_runtime::stream::{StreamSettings, Streamer};
 use flb_runtime::view::Camera;
@@ -21,8 +21,10 @@ use flb_runtime::{InstanceLight, Library, SpeciesLight};
 
 use super::on_gpu::{self, OnGpu};
 use super::{Shot, Show, marks};
+use crate::light::Skies;
 use crate::look::SKY_RAYS;
 use crate::neighbours::Neighbours;
+use crate::parts::Part;
 use crate::renderer::Kept;
 use crate::{SceneLook, Stage, StageError, light};
 
@@ -226,8 +228,8 @@ impl<'s> Painter<'s> {
         if shot.show == Show::Error {
             self.load_whole(shot, size)?;
         }
-        let (lighting, look) = (self.look.lighting(Some(shot.sun_deg))?, self.shown(shot));
-        self.find_beams(&lighting);
+        let parts = self.look.parts(Some(shot.sun_deg), &self.shown(shot))?;
+        self.find_beams(&parts.first.lighting);
         let start = Instant::now();
         let [width, height] = size;
         let view = View { eye: self.above_water(shot.eye), width, height, samples, sky_rays: SKY_RAYS };
@@ -236,18 +238,23 @@ impl<'s> Painter<'s> {
             Some(on_gpu) if !is_mark => {
                 on_gpu.trace(&view)?;
                 let traced = start.elapsed().as_secs_f64();
-                turn(&mut self.neighbours, &lighting)?;
-                let shade = self.neighbours.as_ref().and_then(Neighbours::shade);
                 let resident = self.streamed[0].streamer.resident();
-                (on_gpu.lit(resident, (&lighting, &look), shade)?, traced)
+                let picture = parts.sum(|Part { lighting, look, .. }| {
+                    turn(&mut self.neighbours, lighting)?;
+                    let shade = self.neighbours.as_ref().and_then(Neighbours::shade);
+                    on_gpu.lit(resident, (lighting, look), shade)
+                });
+                (picture?, traced)
             }
             _ => {
-                turn(&mut self.neighbours, &lighting)?;
                 let mut camera = std::mem::take(&mut self.camera);
                 let forest = &self.forest;
                 let fragments = camera.fragments(&view, || forest.trace(&view, &|_| Ok(())))?;
                 let traced = start.elapsed().as_secs_f64();
-                let picture = self.lit(fragments, shot, (&lighting, &look));
+                let picture = match is_mark {
+                    true => self.marked(fragments, shot, &parts.first),
+                    false => parts.sum(|part| self.relit(fragments, part)),
+                };
                 self.camera = camera;
                 (picture?, traced)
             }
@@ -294,24 +301,36 @@ impl<'s> Painter<'s> {
 
     /// A frame of every streamer.
     fn stream(&mut self, shot: &Shot, size: [u32; 2]) -> Result<Progress, StageError> {
-        let (camera, water_m, daylight) = self.seen(shot, size);
         let mut progress =
             Progress { budget_bytes: self.budget_bytes, quality: 1.0, is_final: true, ..Progress::default() };
-        for one in &mut self.streamed {
-            let need = one.finder.find_over_water(&one.placed, &camera, water_m, &daylight);
-            let frame = one.streamer.frame(&need);
-            progress.loaded_bytes += one.streamer.residency().loaded_bytes();
-            progress.quality = progress.quality.min(frame.quality);
-            progress.is_final &= frame.is_final;
-            progress.lacks.extend(one.streamer.describe(&frame.lacks));
-            self.failures.extend(frame.failures.iter().map(|failure| failure.error.to_string()));
-            if let Some(on_gpu) = &mut self.on_gpu {
-                let units = one.streamer.residency().units();
-                progress.is_final &= on_gpu.follow(&frame, units, one.streamer.resident())?;
-            }
-        }
+        let mut all = std::mem::take(&mut self.streamed);
+        let followed = all.iter_mut().try_for_each(|one| self.follow(one, shot, size, &mut progress));
+        self.streamed = all;
+        followed?;
         progress.failures = self.failures.clone();
         Ok(progress)
+    }
+
+    /// A frame of a streamer.
+    fn follow(
+        &mut self,
+        one: &mut Streamed,
+        shot: &Shot,
+        size: [u32; 2],
+        progress: &mut Progress,
+    ) -> Result<(), StageError> {
+        let need = self.need(one, shot, size);
+        let frame = one.streamer.frame(&need);
+        progress.loaded_bytes += one.streamer.residency().loaded_bytes();
+        progress.quality = progress.quality.min(frame.quality);
+        progress.is_final &= frame.is_final;
+        progress.lacks.extend(one.streamer.describe(&frame.lacks));
+        self.failures.extend(frame.failures.iter().map(|failure| failure.error.to_string()));
+        if let Some(on_gpu) = &mut self.on_gpu {
+            let units = one.streamer.residency().units();
+            progress.is_final &= on_gpu.follow(&frame, units, one.streamer.resident())?;
+        }
+        Ok(())
     }
 
     fn shown(&self, shot: &Shot) -> Look {
@@ -323,14 +342,19 @@ impl<'s> Painter<'s> {
         Look { indirect, ..self.look.look }
     }
 
-    /// The camera, the water and the light as streamers take them.
-    fn seen(&self, shot: &Shot, size: [u32; 2]) -> (Camera, Option<f32>, Daylight) {
-        let eye = self.above_water(shot.eye);
-        let camera = Camera::of(&eye, size);
+    /// What a shot needs of a library: of its sun and its sky, and of the further suns.
+    fn need(&self, one: &mut Streamed, shot: &Shot, size: [u32; 2]) -> Need {
+        let camera = Camera::of(&self.above_water(shot.eye), size);
         let water_m = self.forest.water().map(|water| water.height_m as f32);
-        let [azimuth_deg, elevation_deg] = shot.sun_deg;
-        let towards_sun = towards_sun(azimuth_deg, elevation_deg);
-        (camera, water_m, Daylight { towards_sun, sun: self.strength(shot), sky: self.look.ambient })
+        let mut find = |[azimuth_deg, elevation_deg]: [f64; 2], sun: f32, sky: f32| {
+            let daylight = Daylight { towards_sun: towards_sun(azimuth_deg, elevation_deg), sun, sky };
+            one.finder.find_over_water(&one.placed, &camera, water_m, &daylight)
+        };
+        let mut need = find(shot.sun_deg, self.strength(shot), self.look.ambient);
+        for sun_deg in self.look.suns_of(None) {
+            need.add(&find(sun_deg, 1.0, 0.0));
+        }
+        need
     }
 
     /// Loads what the shot needs of the whole light, as far as it comes soon.
@@ -339,10 +363,9 @@ impl<'s> Painter<'s> {
             Some(whole) => whole,
             None => self.open(WHOLE_BYTES)?,
         };
-        let (camera, water_m, daylight) = self.seen(shot, size);
         let end = Instant::now() + WHOLE_WAIT;
         for one in &mut whole {
-            let need = one.finder.find_over_water(&one.placed, &camera, water_m, &daylight);
+            let need = self.need(one, shot, size);
             while !one.streamer.frame(&need).is_final && Instant::now() < end {
                 one.streamer.wait(Duration::from_millis(20));
             }
@@ -378,35 +401,51 @@ impl<'s> Painter<'s> {
         self.lights.iter().map(|light| light.map(species)).collect()
     }
 
-    fn lit(
-        &self,
-        fragments: &Fragments,
-        shot: &Shot,
-        (lighting, look): (&Lighting, &Look),
-    ) -> Result<Picture, StageError> {
+    /// What an uneven sky gives each plant.
+    fn skies(&self, lighting: &Lighting) -> Result<Option<Skies<'_>>, StageError> {
+        let find = |dome| light::skies(&self.beams, &self.stage.scene.instances, dome);
+        Ok(lighting.dome.as_ref().map(find).transpose()?)
+    }
+
+    /// The picture of a part of the light.
+    fn relit(&mut self, fragments: &Fragments, part: &Part) -> Result<Picture, StageError> {
+        let Part { lighting, look, .. } = part;
+        turn(&mut self.neighbours, lighting)?;
+        let resident = self.resident(&self.streamed);
+        let lights = streamed(&resident);
+        let shade = self.neighbours.as_ref().and_then(Neighbours::shade);
+        let (placements, rays) = (&self.stage.scene.instances[..], fragments.view().samples);
+        let skies = self.skies(lighting)?;
+        let now = light::of_plants(&lights, skies.as_ref(), placements, lighting, shade, rays)?;
+        let cursors = LightCursors::new(&now);
+        let light = |LightQuery { instance, point, facing }: LightQuery, phi: &mut [f32; 3]| {
+            cursors.at_facing(instance as usize, point, facing, phi);
+        };
+        Ok(self.forest.relight(fragments, lighting, look, &light, &|_| Ok(()))?)
+    }
+
+    /// A picture of something else than light, of what the first part of it needs.
+    fn marked(&mut self, fragments: &Fragments, shot: &Shot, part: &Part) -> Result<Picture, StageError> {
+        let Part { lighting, look, .. } = part;
+        turn(&mut self.neighbours, lighting)?;
         let resident = self.resident(&self.streamed);
         let lights = streamed(&resident);
         let shade = self.neighbours.as_ref().and_then(Neighbours::shade);
         let placements = &self.stage.scene.instances[..];
         let rays = fragments.view().samples;
-        let find = |dome| light::skies(&self.beams, placements, dome);
-        let skies = lighting.dome.as_ref().map(find).transpose()?;
+        let skies = self.skies(lighting)?;
         let skies = skies.as_ref();
         let now = light::of_plants(&lights, skies, placements, lighting, shade, rays)?;
         let cursors = LightCursors::new(&now);
-        let relit = |light: &LightFn<'_>| {
-            self.forest.relight(fragments, lighting, look, light, &|_| Ok(())).map_err(StageError::from)
-        };
         let species = |instance: u32| resident[placements[instance as usize].species];
         match shot.show {
-            Show::Whole | Show::Indirect | Show::Direct => {
-                relit(&|LightQuery { instance, point, facing }, phi| {
-                    cursors.at_facing(instance as usize, point, facing, phi);
-                })
+            Show::Whole | Show::Indirect | Show::Direct => unreachable!("pictures of light are sums"),
+            Show::Base(base) => {
+                let light = |LightQuery { instance, point, .. }: LightQuery, phi: &mut [f32; 3]| {
+                    *phi = species(instance).map_or([0.0; 3], |one| marks::base(one, base, point));
+                };
+                Ok(self.forest.relight(fragments, lighting, look, &light, &|_| Ok(()))?)
             }
-            Show::Base(base) => relit(&|LightQuery { instance, point, .. }, phi| {
-                *phi = species(instance).map_or([0.0; 3], |one| marks::base(one, base, point));
-            }),
             Show::Level => Ok(self.forest.marked(fragments, &|LightQuery { instance, .. }, color| {
                 *color = marks::level(now[instance as usize].as_ref().map(InstanceLight::level));
             })),
