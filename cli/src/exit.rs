@@ -438,6 +438,9 @@ impl From<StageError> for Failure {
             | StageError::NoTriangles
             | StageError::OtherScene { .. }
             | StageError::OtherPlant { .. }
+            | StageError::Shows(_)
+            | StageError::NoBase { .. }
+            | StageError::HighlightOfPhysical
             | StageError::NoSceneLight
             | StageError::OnCpuAlone
             | StageError::UnevenSkyOverPaper => Failure::new(USAGE, error),

@@ -3,8 +3,7 @@
 use std::path::{Path, PathBuf};
 
 use flb_files::check_unread;
-use flb_render::picture::{SHEET_GAP, contact_sheet};
-use flb_render::{Look, Picture, Shading};
+use flb_render::{Look, Shading};
 use flb_runtime::Library;
 use flb_runtime::scene_light::SceneLight;
 use flb_scene::Step;
@@ -22,7 +21,7 @@ use crate::exit::{Failure, USAGE};
 use crate::inputs::{check_local, check_output_of, open, read_scene};
 use crate::memory::{check, check_plants, sampler_bytes};
 use crate::mesh_of_light::Said;
-use crate::picture::{PictureFormat, Rendered, picture_format, write};
+use crate::picture::{Rendered, check_layers, picture_format, sheet, write};
 use crate::print::{self, line};
 use crate::size::{Measured, Mend};
 use crate::sky::read_sky;
@@ -60,6 +59,7 @@ pub(crate) fn run(args: &RenderArgs) -> Result<u8, Failure> {
     refuse_flags_of_a_plant(args)?;
     check_output_of(&args.output, &[&args.file], args.existing)?;
     let format = picture_format(&args.output)?;
+    check_layers(&args.output, format, &args.show)?;
     let outputs = match args.frames {
         Some(frames) => frame_files(&args.output, frames),
         None => vec![args.output.clone()],
@@ -98,33 +98,34 @@ pub(crate) fn run(args: &RenderArgs) -> Result<u8, Failure> {
         ambient: args.ambient,
         irradiance: args.sunlight.sun_irradiance,
         added_suns: args.sunlight.added(),
-        look: Look {
-            indirect: args.indirect,
-            indirect_scale: args.indirect_scale.unwrap_or(default.indirect_scale),
-            ..default
-        },
-        show: args.show,
+        highlight: args.highlight.choice(),
+        look: Look { indirect_scale: args.indirect_scale.unwrap_or(default.indirect_scale), ..default },
+        shows: args.show.clone(),
     };
     let look = SceneLook::new(&stage, &settings, sky).map_err(|error| at_scene(error.into()))?;
-    let exposure = args.exposure.unwrap_or(match args.show {
-        SceneShow::Light => stage.default_exposure(),
+    let exposure = args.exposure.unwrap_or(match args.show.contains(&SceneShow::Global) {
+        false => stage.default_exposure(),
         // Shares are shown as they are.
-        SceneShow::Global => 0.0,
+        true => 0.0,
     });
     let look_size = look.size;
     let backend = backend(args.backend, args.gpus);
     let mut renderer = SceneRenderer::new(&stage, look, &frames, backend, &stages)?;
     let mut pictures = Vec::new();
     for (number, frame) in frames.iter().enumerate() {
-        let picture = renderer.picture(frame, &stages)?;
+        let layers = renderer.layers(frame, &stages)?;
         match args.frames {
-            Some(_) => write(&outputs[number], args.existing, &picture, format, exposure)?,
-            None => pictures.push(picture),
+            Some(_) => write(&outputs[number], args.existing, &layers, format, exposure)?,
+            None => pictures.push(layers),
         }
     }
     let size = match args.frames {
         Some(_) => look_size,
-        None => write_sheet(pictures, args, format, exposure)?,
+        None => {
+            let layers = sheet(pictures)?;
+            write(&args.output, args.existing, &layers, format, exposure)?;
+            [layers[0].1.width, layers[0].1.height]
+        }
     };
     let outcome = Outcome {
         // Read back from a GPU for who asks alone.
@@ -256,21 +257,6 @@ fn frame_files(output: &Path, frames: u32) -> Vec<PathBuf> {
         output.with_file_name(name)
     };
     (1..=frames).map(name).collect()
-}
-
-/// One picture, or all side by side; gives back the size.
-fn write_sheet(
-    mut pictures: Vec<Picture>,
-    args: &RenderArgs,
-    format: PictureFormat,
-    exposure: f32,
-) -> Result<[u32; 2], Failure> {
-    let picture = match pictures.len() {
-        1 => pictures.remove(0),
-        _ => contact_sheet(&pictures, SHEET_GAP)?,
-    };
-    write(&args.output, args.existing, &picture, format, exposure)?;
-    Ok([picture.width, picture.height])
 }
 
 impl Outcome {

@@ -4,6 +4,8 @@ use std::path::Path;
 
 use flb_files::{Existing, publish};
 use flb_render::Picture;
+use flb_render::picture::{SHEET_GAP, contact_sheet, exr_of};
+use flb_stage::SceneShow;
 use serde::Serialize;
 
 use crate::exit::{Failure, USAGE};
@@ -33,19 +35,63 @@ pub(crate) struct Difference {
     pub max: u8,
 }
 
-/// Writes a picture as its name asks for.
+/// Writes the layers of a picture as its name asks for, which [`check_layers`] has passed.
 pub(crate) fn write(
     output: &Path,
     existing: Existing,
-    picture: &Picture,
+    layers: &[(SceneShow, Picture)],
     format: PictureFormat,
     exposure: f32,
 ) -> Result<(), Failure> {
-    let bytes = match format {
-        PictureFormat::Png => picture.to_png(exposure)?,
-        PictureFormat::Exr => picture.to_exr()?,
+    let alpha = layers.iter().find(|(show, _)| *show == SceneShow::Alpha).map(|(_, picture)| picture);
+    let shown: Vec<_> = layers.iter().filter(|(show, _)| *show != SceneShow::Alpha).collect();
+    let bytes = match (format, alpha, &shown[..]) {
+        (PictureFormat::Png, Some(alpha), [(_, picture)]) => picture.to_png_with_alpha(exposure, alpha)?,
+        (PictureFormat::Png, None, [(_, picture)]) => picture.to_png(exposure)?,
+        _ => {
+            // The only one needs no name, and the light never has one.
+            let name = |show: SceneShow| match show {
+                SceneShow::Light => String::new(),
+                _ if shown.len() == 1 => String::new(),
+                SceneShow::Base(base) => format!("base{base}"),
+                show => show.to_string(),
+            };
+            let names: Vec<String> = shown.iter().map(|(show, _)| name(*show)).collect();
+            let layers: Vec<_> =
+                names.iter().map(String::as_str).zip(shown.iter().map(|(_, picture)| picture)).collect();
+            exr_of(&layers, alpha)?
+        }
     };
     Ok(publish(output, existing, |file| file.write_all(&bytes))?)
+}
+
+/// Refuses layers that a format has no room for.
+pub(crate) fn check_layers(output: &Path, format: PictureFormat, shows: &[SceneShow]) -> Result<(), Failure> {
+    let pictures = shows.iter().filter(|show| **show != SceneShow::Alpha).count();
+    let refuse = |message: &str| Err(Failure::new(USAGE, message).at(output));
+    match format {
+        PictureFormat::Png if pictures != 1 => refuse(
+            "--show: a .png holds one of light, direct, indirect, base:N and global, with or without alpha; an .exr holds all",
+        ),
+        PictureFormat::Exr if pictures == 0 && shows.len() > 1 => refuse("--show: alpha once"),
+        _ => Ok(()),
+    }
+}
+
+/// Layers of several pictures side by side, as layers of one.
+pub(crate) fn sheet(pictures: Vec<Vec<(SceneShow, Picture)>>) -> Result<Vec<(SceneShow, Picture)>, Failure> {
+    let mut by_layer: Vec<(SceneShow, Vec<Picture>)> = Vec::new();
+    for (place, (show, picture)) in pictures.into_iter().flat_map(|layers| layers.into_iter().enumerate()) {
+        match by_layer.get_mut(place) {
+            Some((_, pictures)) => pictures.push(picture),
+            None => by_layer.push((show, vec![picture])),
+        }
+    }
+    let of_layer = |(show, mut pictures): (SceneShow, Vec<Picture>)| match pictures.len() {
+        1 => Ok((show, pictures.remove(0))),
+        _ => Ok((show, contact_sheet(&pictures, SHEET_GAP)?)),
+    };
+    by_layer.into_iter().map(of_layer).collect()
 }
 
 #[derive(Clone, Copy)]

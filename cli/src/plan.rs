@@ -7,7 +7,7 @@ use flb_files::publish;
 use flb_format::bases::BaseSet;
 use flb_format::meta::Bounds;
 use flb_runtime::Library;
-use flb_scene::scene::{Scene, SceneSky, SceneSpecies, Sunlight, Suns};
+use flb_scene::scene::{HighlightChoice, Scene, SceneSky, SceneSpecies, Sunlight, Suns};
 use serde::Serialize;
 
 use crate::args::PlanArgs;
@@ -121,6 +121,7 @@ fn scene(args: &PlanArgs) -> Result<Scene, Failure> {
             sky: SceneSky::Even,
             suns: Suns::Sky,
             sunlight: Sunlight::default(),
+            highlight: HighlightChoice::default(),
             camera: None,
             ground: None,
             water: None,

@@ -4,7 +4,6 @@ use std::path::Path;
 
 use flb_files::check_unread;
 use flb_format::SpeciesMeta;
-use flb_render::picture::{SHEET_GAP, contact_sheet};
 use flb_render::{Look, Portrait, Shading};
 use flb_scene::scene::SceneSky;
 use flb_scene::{ClassedMesh, Step};
@@ -17,7 +16,7 @@ use crate::exit::{Failure, USAGE};
 use crate::inputs::{check_output_of, choose_species, open};
 use crate::memory::{check, sampler_bytes};
 use crate::mesh_of_light::{MeshOfLight, Said, check_fit, mesh_of_species};
-use crate::picture::{Difference, Rendered, picture_format, write};
+use crate::picture::{Difference, Rendered, check_layers, picture_format, sheet, write};
 use crate::print::{self, line};
 use crate::sky::{read_sky, sky_file};
 use crate::stages::Stages;
@@ -75,8 +74,12 @@ pub(crate) fn run(args: &RenderArgs) -> Result<u8, Failure> {
     if args.gpus.is_some() {
         return Err(Failure::new(USAGE, "--gpus is for scenes (.toml); a single plant is drawn on the CPU"));
     }
-    if args.show != SceneShow::Light {
-        return Err(Failure::new(USAGE, "--show is for scenes (.toml); a plant alone has no neighbours"));
+    if args.show.contains(&SceneShow::Global) {
+        let message = "--show global is for scenes (.toml); a plant alone has no neighbours";
+        return Err(Failure::new(USAGE, message));
+    }
+    if args.against.is_some() && args.show.len() > 1 {
+        return Err(Failure::new(USAGE, "--against compares one of --show"));
     }
     if let Some(flag) = args.scene_light.given() {
         return Err(Failure::new(
@@ -89,6 +92,7 @@ pub(crate) fn run(args: &RenderArgs) -> Result<u8, Failure> {
     inputs.extend(sky_file(&args.sky));
     check_output_of(&args.output, &inputs, args.existing)?;
     let format = picture_format(&args.output)?;
+    check_layers(&args.output, format, &args.show)?;
     let stages = Stages::default();
     let sky = read_sky(&args.sky, &SceneSky::Even)?;
     let open = |file: &Path| Subject::open(file, mesh_file, args, &sky);
@@ -111,21 +115,20 @@ pub(crate) fn run(args: &RenderArgs) -> Result<u8, Failure> {
         false => args.sun.iter().copied().map(Some).collect(),
     };
     for sun in suns {
-        let picture = renderer.picture(sun, &stages)?;
+        let layers = renderer.layers(sun, &stages)?;
         let Some(beside) = &beside else {
-            pictures.push(picture);
+            pictures.push(layers);
             continue;
         };
-        let beside = beside.picture(sun, &stages)?;
+        let (picture, beside) = (&layers[0].1, beside.picture(sun, &stages)?);
         let difference = picture.difference(&beside, args.times)?;
         squares.add(&picture.tone_mapped(exposure), &beside.tone_mapped(exposure));
-        pictures.extend([picture, beside, difference]);
+        let show = layers[0].0;
+        pictures.extend([layers, vec![(show, beside)], vec![(show, difference)]]);
     }
-    let picture = match pictures.len() {
-        1 => pictures.remove(0),
-        _ => contact_sheet(&pictures, SHEET_GAP)?,
-    };
-    write(&args.output, args.existing, &picture, format, exposure)?;
+    let layers = sheet(pictures)?;
+    write(&args.output, args.existing, &layers, format, exposure)?;
+    let picture = &layers[0].1;
     let rendered = Rendered::<()> {
         output: args.output.display().to_string(),
         species: meta.name.clone(),
@@ -192,6 +195,12 @@ fn look(args: &RenderArgs, meta: &SpeciesMeta, sky: &StageSky) -> Result<(PlantL
             "--indirect-scale is for paper files: a physical one has its light in the sun's units",
         );
     }
+    let highlight = args.highlight.choice();
+    if !units.has_highlights() && highlight.is_any() {
+        return refuse(
+            "--highlight is for paper files: leaves of a physical file are matt until their gloss is measured",
+        );
+    }
     let ([width, height], view) = (args.size.unwrap_or([512; 2]), args.view.unwrap_or([180.0, 8.0]));
     let default = Look::of_light([meta]);
     let look = PlantLook {
@@ -205,13 +214,14 @@ fn look(args: &RenderArgs, meta: &SpeciesMeta, sky: &StageSky) -> Result<(PlantL
             ..Portrait::default()
         },
         look: Look {
-            indirect: args.indirect,
             indirect_scale: args.indirect_scale.unwrap_or(default.indirect_scale),
+            highlights: default.highlights.with(&highlight),
             ..default
         },
         ambient: args.ambient,
         sky: sky.clone(),
         sunlight: args.sunlight.of_a_plant(),
+        shows: args.show.clone(),
         is_path_traced: args.path_traced,
     };
     Ok((look, args.exposure.unwrap_or(units.default_exposure())))

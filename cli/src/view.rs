@@ -5,13 +5,12 @@ use std::time::Duration;
 
 use flb_files::{check_unread, publish};
 use flb_gpu::Gpu;
-use flb_render::Look;
 use flb_render::forest::Eye;
 use flb_render::picture::png_of;
 use flb_scene::scene::{Scene, Suns};
 use flb_stage::plant::ScenePlant;
 use flb_stage::stream::{Painted, Painter, Shot, Show};
-use flb_stage::{LookSettings, SceneLook, SceneShow, Stage, StageError};
+use flb_stage::{LookSettings, SceneLook, Stage, StageError};
 use flb_view::screen::Screen;
 use flb_view::{Controls, ViewError, window};
 use serde::Serialize;
@@ -89,8 +88,8 @@ pub(crate) fn run(args: &ViewArgs) -> Result<u8, Failure> {
         ambient: args.ambient,
         irradiance: args.sunlight.sun_irradiance,
         added_suns: args.sunlight.added(),
-        look: Look::default(),
-        show: SceneShow::Light,
+        highlight: args.highlight.choice(),
+        ..LookSettings::default()
     };
     let look =
         SceneLook::new(&stage, &settings, sky).map_err(|error| Failure::from(error).at(&args.scene))?;

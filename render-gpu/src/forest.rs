@@ -12,7 +12,7 @@ use crate::buffers::{empty, storage, uniform};
 use crate::camera::view_words;
 use crate::dome::Dome;
 use crate::grids::{SUN_PAD, picture_words, sun_words};
-use crate::layout::{LIGHT_WORDS, NONE, Words};
+use crate::layout::{DAYLIGHT_WORDS, LIGHT_WORDS, NONE, Words};
 use crate::light_set::LightSet;
 use crate::light_words::DaylightOn;
 use crate::models::Models;
@@ -124,7 +124,7 @@ impl GpuForest {
         let scene = statics.group(gpu, &stages, &stand);
         let light_group = light_buffer(gpu, &stages, stand.plants.len())?;
         let view = uniform(gpu, "flb view", &[0; 64]);
-        let daylight = uniform(gpu, "flb daylight", &[0; 40]);
+        let daylight = uniform(gpu, "flb daylight", &[0; DAYLIGHT_WORDS]);
         let dome = Dome::new(gpu, &stages);
         gpu.check()?;
         Ok(GpuForest {

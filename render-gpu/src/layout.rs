@@ -38,6 +38,9 @@ pub(crate) const CLASS_LEAF: u32 = 1;
 /// Bytes between two uniforms of one buffer: the alignment that WebGPU asks for.
 pub(crate) const UNIFORM_STRIDE: u64 = 256;
 
+/// Words of a `Daylight`.
+pub(crate) const DAYLIGHT_WORDS: usize = 48;
+
 /// Words of a `SpeciesTerms`.
 pub(crate) const LIGHT_WORDS: usize = 12;
 

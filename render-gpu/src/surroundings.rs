@@ -2,6 +2,7 @@
 
 use flb_render::forest::export::SKY;
 use flb_render::forest::{Forest, Land, Scenery, Water};
+use flb_render::highlight::Highlights;
 use flb_render::shading::Units;
 use flb_render::{Indirect, Lighting, Look};
 use flb_scene::sky::Sky;
@@ -106,6 +107,8 @@ impl GroundAndWater {
         let direct = if look.indirect == Indirect::Only { 0.0 } else { 1.0 };
         let indirect = if look.indirect == Indirect::Off { 0.0 } else { units.indirect_scale(look) };
         let center = std::array::from_fn::<_, 3, _>(|axis| scenery.center_m[axis] - camera_m[axis]);
+        let Highlights { leaf, wood, water } = units.highlights(look);
+        let highlights = [leaf, wood, water];
         let mut words = Words::default();
         words
             .rounded(scenery.towards_sun)
@@ -113,7 +116,7 @@ impl GroundAndWater {
             .floats(self.color)
             .float(scenery.white_in_sun)
             .floats(sky[0])
-            .float(look.specular)
+            .whole(u32::from(look.has_backdrop))
             .floats(sky[1])
             .rounded([scenery.haze_m])
             .rounded(center)
@@ -129,6 +132,10 @@ impl GroundAndWater {
             .whole(u32::from(is_sky_drawn && lighting.dome.is_some()))
             .whole(0)
             .whole(0)
+            .whole(0)
+            .floats(highlights.map(|one| one.strength))
+            .whole(0)
+            .floats(highlights.map(|one| one.exponent))
             .whole(0);
         words.0
     }

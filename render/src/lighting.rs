@@ -4,7 +4,7 @@ use flb_format::{Daylight, SpeciesMeta};
 use flb_scene::sky::Sky;
 use glam::DVec3;
 
-use crate::{RenderError, settings::range};
+use crate::{RenderError, highlight::Highlights, settings::range};
 
 /// The light on a scene.
 #[derive(Debug, Clone, PartialEq)]
@@ -40,11 +40,14 @@ pub struct Look {
     pub indirect: Indirect,
     /// Scale of indirect light in the `paper` shading.
     pub indirect_scale: f32,
-    /// Strength of the leaves' highlight in the `paper` shading; 0 is matt.
-    pub specular: f32,
+    /// Highlights of the sun in the `paper` shading.
+    pub highlights: Highlights,
     /// Whether the sky is drawn. In the `physical` shading it has the mean luminance of the even, white sky that lights
     /// the plants, drawn or not.
     pub has_sky: bool,
+    /// Whether the sky is drawn behind all else, too. Without it a picture is as one lays it over another: its values
+    /// are multiplied by how much it covers ([`crate::forest::Forest::coverage`]). Water mirrors the sky in either.
+    pub has_backdrop: bool,
 }
 
 impl Default for Lighting {
@@ -55,7 +58,13 @@ impl Default for Lighting {
 
 impl Default for Look {
     fn default() -> Look {
-        Look { indirect: Indirect::On, indirect_scale: 0.5, specular: 0.08, has_sky: true }
+        Look {
+            indirect: Indirect::On,
+            indirect_scale: 0.5,
+            highlights: Highlights::default(),
+            has_sky: true,
+            has_backdrop: true,
+        }
     }
 }
 
@@ -105,7 +114,7 @@ impl Look {
 
     pub(crate) fn check(&self) -> Result<(), RenderError> {
         range("indirect_scale", self.indirect_scale.into(), 0.0, 1e6)?;
-        range("specular", self.specular.into(), 0.0, 1e3)
+        self.highlights.check()
     }
 
     /// Whether the light that surfaces get straight from the sun is shown.

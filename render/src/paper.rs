@@ -1,18 +1,14 @@
-//! The `paper` shading of a plant (lighting-model, section 10): Lambert light and a highlight from the sun,
+//! The `paper` shading of a plant (lighting-model, section 10): Lambert light and a highlight k (v.r)^s from the sun,
 //! indirect light = texture colour x phi x scale.
 
 use flb_scene::MaterialClass;
 use glam::Vec3;
 
-use crate::{scene::Hit, sun::Sunlight};
-
-/// Exponent of the leaves' highlight (Blinn and Phong).
-pub(crate) const SHININESS: f32 = 24.0;
+use crate::{highlight::Highlights, scene::Hit, sun::Sunlight};
 
 pub(crate) struct Paper {
     pub sun: Sunlight,
-    /// Strength of the leaves' highlight.
-    pub specular: f32,
+    pub highlights: Highlights,
     /// Factor on all indirect light.
     pub indirect_scale: f32,
 }
@@ -29,11 +25,11 @@ impl Paper {
             return Vec3::ZERO;
         }
         let mut color = hit.color * cosine;
-        if hit.class == MaterialClass::Leaf && self.specular > 0.0 {
-            let half = (self.sun.towards - looking).normalize_or_zero();
-            let highlight = libm::powf(hit.normal.dot(half).max(0.0), SHININESS);
-            color += Vec3::splat(self.specular * highlight);
-        }
+        let highlight = match hit.class {
+            MaterialClass::Leaf => self.highlights.leaf,
+            _ => self.highlights.wood,
+        };
+        color += Vec3::splat(highlight.towards(hit.normal, self.sun.towards, looking));
         color * self.sun.strength
     }
 

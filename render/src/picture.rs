@@ -2,7 +2,9 @@
 
 use std::io::Cursor;
 
-use exr::prelude::{Encoding, Image, Layer, LayerAttributes, SpecificChannels, WritableImage};
+use exr::prelude::{
+    AnyChannel, AnyChannels, Encoding, FlatSamples, Image, Layer, LayerAttributes, SmallVec, WritableImage,
+};
 
 use crate::{
     RenderError,
@@ -46,12 +48,7 @@ impl Picture {
     /// # Errors
     /// [`RenderError::Sheet`] for a picture of another size.
     pub fn difference(&self, other: &Picture, factor: f32) -> Result<Picture, RenderError> {
-        if (self.width, self.height) != (other.width, other.height) {
-            return Err(RenderError::Sheet(format!(
-                "a picture of {} x {} pixels, expected {} x {} as the other",
-                other.width, other.height, self.width, self.height
-            )));
-        }
+        self.check_size(other)?;
         let rgb = self.rgb.iter().zip(&other.rgb).map(|(a, b)| (a - b).abs() * factor).collect();
         Ok(Picture { rgb, ..*self })
     }
@@ -81,40 +78,89 @@ impl Picture {
         png_of([self.width, self.height], &self.tone_mapped(exposure))
     }
 
+    /// A PNG file of a picture without a backdrop, and of how much of each pixel it covers (one value per pixel in all
+    /// bands): as PNG has it, colours are those of what covers, not multiplied by the alpha.
+    ///
+    /// # Errors
+    /// [`RenderError::Sheet`] for a cover of another size; [`RenderError::Png`] if the encoder refuses.
+    pub fn to_png_with_alpha(&self, exposure: f32, cover: &Picture) -> Result<Vec<u8>, RenderError> {
+        self.check_size(cover)?;
+        let alone =
+            self.rgb.iter().zip(&cover.rgb).map(|(v, alpha)| if *alpha > 0.0 { v / alpha } else { 0.0 });
+        let alone = Picture { rgb: alone.collect(), ..*self }.tone_mapped(exposure);
+        let alpha = cover.rgb.iter().step_by(3).map(|alpha| (alpha.clamp(0.0, 1.0) * 255.0 + 0.5) as u8);
+        let rgba = alone.chunks_exact(3).zip(alpha).flat_map(|(rgb, alpha)| [rgb[0], rgb[1], rgb[2], alpha]);
+        png([self.width, self.height], png::ColorType::Rgba, &rgba.collect::<Vec<u8>>())
+    }
+
     /// An OpenEXR file with the linear values, 32-bit float R, G, B, without loss.
     ///
     /// # Errors
     /// [`RenderError::Exr`] if the encoder refuses.
     pub fn to_exr(&self) -> Result<Vec<u8>, RenderError> {
-        let (width, height) = (self.width as usize, self.height as usize);
-        let pixels = SpecificChannels::rgb(|at: exr::prelude::Vec2<usize>| {
-            let first = (at.y() * width + at.x()) * 3;
-            (self.rgb[first], self.rgb[first + 1], self.rgb[first + 2])
-        });
-        let layer = Layer::new(
-            (width, height),
-            LayerAttributes::named("linear"),
-            Encoding::SMALL_FAST_LOSSLESS,
-            pixels,
-        );
-        let mut bytes = Cursor::new(Vec::new());
-        Image::from_layer(layer).write().non_parallel().to_buffered(&mut bytes)?;
-        Ok(bytes.into_inner())
+        exr_of(&[("", self)], None)
     }
+
+    fn check_size(&self, other: &Picture) -> Result<(), RenderError> {
+        match (self.width, self.height) == (other.width, other.height) {
+            true => Ok(()),
+            false => Err(RenderError::Sheet(format!(
+                "a picture of {} x {} pixels, expected {} x {} as the other",
+                other.width, other.height, self.width, self.height
+            ))),
+        }
+    }
+}
+
+/// An OpenEXR file of pictures of one size as named layers, 32-bit float without loss: channels `NAME.R`, `NAME.G` and
+/// `NAME.B`, and `R`, `G`, `B` of the one without a name. `cover` is channel `A`: pictures without a backdrop are
+/// multiplied by it, as OpenEXR has it.
+///
+/// # Errors
+/// [`RenderError::Sheet`] without pictures, and for one of another size; [`RenderError::Exr`] if the encoder refuses.
+pub fn exr_of(layers: &[(&str, &Picture)], cover: Option<&Picture>) -> Result<Vec<u8>, RenderError> {
+    let pictures = || layers.iter().map(|(_, picture)| *picture).chain(cover);
+    let first = pictures().next().ok_or_else(|| RenderError::Sheet("no pictures".into()))?;
+    pictures().try_for_each(|picture| first.check_size(picture))?;
+    let channel = |name: &str, picture: &Picture, band: usize| {
+        let values: Vec<f32> = picture.rgb.iter().skip(band).step_by(3).copied().collect();
+        AnyChannel::new(name, FlatSamples::F32(values))
+    };
+    let mut channels = SmallVec::new();
+    for (name, picture) in layers {
+        let dot = if name.is_empty() { "" } else { "." };
+        for (band, letter) in ["R", "G", "B"].into_iter().enumerate() {
+            channels.push(channel(&format!("{name}{dot}{letter}"), picture, band));
+        }
+    }
+    channels.extend(cover.map(|cover| channel("A", cover, 0)));
+    let layer = Layer::new(
+        (first.width as usize, first.height as usize),
+        LayerAttributes::named("linear"),
+        Encoding::SMALL_FAST_LOSSLESS,
+        AnyChannels::sort(channels),
+    );
+    let mut bytes = Cursor::new(Vec::new());
+    Image::from_layer(layer).write().non_parallel().to_buffered(&mut bytes)?;
+    Ok(bytes.into_inner())
 }
 
 /// A PNG file of 8-bit sRGB, `[y][x][band]`, row 0 on top.
 ///
 /// # Errors
 /// [`RenderError::Png`] if the encoder refuses.
-pub fn png_of([width, height]: [u32; 2], rgb: &[u8]) -> Result<Vec<u8>, RenderError> {
+pub fn png_of(size: [u32; 2], rgb: &[u8]) -> Result<Vec<u8>, RenderError> {
+    png(size, png::ColorType::Rgb, rgb)
+}
+
+fn png([width, height]: [u32; 2], color: png::ColorType, pixels: &[u8]) -> Result<Vec<u8>, RenderError> {
     let mut bytes = Vec::new();
     let mut encoder = png::Encoder::new(&mut bytes, width, height);
-    encoder.set_color(png::ColorType::Rgb);
+    encoder.set_color(color);
     encoder.set_depth(png::BitDepth::Eight);
     encoder.set_source_srgb(png::SrgbRenderingIntent::Perceptual);
     let mut writer = encoder.write_header()?;
-    writer.write_image_data(rgb)?;
+    writer.write_image_data(pixels)?;
     writer.finish()?;
     Ok(bytes)
 }

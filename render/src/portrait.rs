@@ -72,6 +72,20 @@ pub fn render_plant(
     forest.render(&view, lighting, look, light, progress)
 }
 
+/// How much of each pixel of a plant's picture is covered, as [`Forest::coverage`] has it.
+///
+/// # Errors
+/// As [`render_plant`].
+pub fn cover_of_plant(
+    plant: &Species<'_>,
+    portrait: &Portrait,
+    lighting: &Lighting,
+    look: &Look,
+) -> Result<Picture, RenderError> {
+    let (forest, view) = portrait.prepare(plant, lighting, look)?;
+    forest.coverage(&view, lighting, look)
+}
+
 impl Portrait {
     /// A forest of one plant, and the view that frames it. Numbers are checked before.
     pub(crate) fn prepare<'a>(

@@ -9,6 +9,7 @@ use flb_format::SpeciesMeta;
 use glam::Vec3;
 
 use crate::backdrop::{OPEN_SKY, SKY_LUMINANCE, paper_sky_strength, sky_radiance};
+use crate::highlight::Highlights;
 use crate::paper::Paper;
 use crate::physical::Physical;
 use crate::picture::PHYSICAL_EXPOSURE;
@@ -113,6 +114,19 @@ impl Units {
         }
     }
 
+    /// Highlights of the sun. Leaves in radiance are matt until their gloss is known.
+    pub fn highlights(self, look: &Look) -> Highlights {
+        match self {
+            Units::White => look.highlights,
+            Units::Radiance => Highlights::MATT,
+        }
+    }
+
+    /// Whether there are highlights to choose.
+    pub fn has_highlights(self) -> bool {
+        self == Units::White
+    }
+
     /// Whether indirect light has a factor to choose.
     pub fn has_indirect_scale(self) -> bool {
         self == Units::White
@@ -157,8 +171,8 @@ impl Seen<'_> {
         let mut color = Vec3::ZERO;
         match finish {
             None => {
-                let Look { specular, indirect_scale, .. } = *look;
-                let paper = Paper { sun, specular, indirect_scale };
+                let Look { highlights, indirect_scale, .. } = *look;
+                let paper = Paper { sun, highlights, indirect_scale };
                 if has_direct {
                     color += paper.direct(hit, looking, sees);
                 }

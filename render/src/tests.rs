@@ -7,6 +7,7 @@ use flb_scene::sky::{Sky, SkyImage};
 use flb_scene::{MaterialClass, Mesh};
 
 use super::*;
+use crate::highlight::{Highlight, Highlights};
 use crate::reference::{Reference, render_reference};
 
 /// Sums of a few products in f32.
@@ -83,8 +84,9 @@ pub(crate) struct Setup {
     pub dome: Option<Sky>,
     pub indirect: Indirect,
     pub indirect_scale: f32,
-    pub specular: f32,
+    pub highlights: Highlights,
     pub sky: bool,
+    pub backdrop: bool,
 }
 
 impl Default for Setup {
@@ -92,7 +94,7 @@ impl Default for Setup {
         let portrait = Portrait::default();
         let (Portrait { width, height, samples, view_azimuth_deg, .. }, lighting) =
             (portrait, Lighting::default());
-        let Look { indirect, indirect_scale, specular, has_sky } = Look::default();
+        let Look { indirect, indirect_scale, highlights, has_sky, has_backdrop } = Look::default();
         Setup {
             shading: Shading::Paper,
             width,
@@ -109,8 +111,9 @@ impl Default for Setup {
             dome: lighting.dome,
             indirect,
             indirect_scale,
-            specular,
+            highlights,
             sky: has_sky,
+            backdrop: has_backdrop,
         }
     }
 }
@@ -134,8 +137,8 @@ impl Setup {
     }
 
     pub(crate) fn look(&self) -> Look {
-        let Setup { indirect, indirect_scale, specular, sky: has_sky, .. } = *self;
-        Look { indirect, indirect_scale, specular, has_sky }
+        let Setup { indirect, indirect_scale, highlights, sky: has_sky, backdrop: has_backdrop, .. } = *self;
+        Look { indirect, indirect_scale, highlights, has_sky, has_backdrop }
     }
 }
 
@@ -161,13 +164,19 @@ pub(crate) fn reference(
     render_reference(&plant, &setup.portrait(), &setup.lighting(), &setup.look(), &|_| Ok(()))
 }
 
+/// All surfaces alike.
+pub(crate) fn glossy(strength: f32) -> Highlights {
+    let one = Highlight { strength, exponent: 6.0 };
+    Highlights { leaf: one, wood: one, water: one }
+}
+
 pub(crate) fn plain() -> Setup {
     Setup {
         width: 32,
         height: 32,
         samples: 1,
         sun: [0.0, 0.0, 1.0],
-        specular: 0.0,
+        highlights: Highlights::MATT,
         view_elevation_deg: 0.0,
         ground: false,
         sky: false,
@@ -302,7 +311,7 @@ fn direct_and_indirect_add_up() {
         samples: 4,
         ground: true,
         sky: true,
-        specular: 0.1,
+        highlights: glossy(0.1),
         view_elevation_deg: 20.0,
         ..plain()
     };

@@ -181,6 +181,16 @@ impl<'r> SpeciesLight<'r> {
         }
     }
 
+    /// Light of one base by itself, by its place among those of the file, per band at a point of the model at rest,
+    /// metres; 0 of one that is not loaded. A base is no light where suns are harmonics: values may be below 0.
+    ///
+    /// # Panics
+    /// If `out` is shorter than the bands.
+    pub fn base_at(&self, base: usize, point_m: [f32; 3], out: &mut [f32]) {
+        let bands = self.bands();
+        self.resident().base_at(base, point_m, &mut out[..bands]);
+    }
+
     /// Returns light that was kept of a plant of this species ([`InstanceLight::keep`]), as long as
     /// [`ResidentSpecies::generation`] is what it was; `None` where the plant is to be lit anew. Neighbours and an
     /// uneven sky are to be added again. What was kept of another species is wrong light.

@@ -13,6 +13,7 @@
 
 mod generation;
 mod mean;
+mod one_base;
 mod terms;
 
 use std::sync::{Arc, OnceLock};

@@ -37,6 +37,11 @@
 //! height_m = 0.6                 # a level surface without end, hidden where ground is higher; cameras stand above
 //! colour = [0.01, 0.035, 0.04]   # share of the light within it that comes out again, R, G, B; this is the default
 //!
+//! [highlight]                    # of `paper` species: strength k and exponent s of the sun's k (v.r)^s
+//! leaf = [0.08, 6.0]             # this is the default
+//! wood = [0.0, 1.0]              # none; this is the default, of water too
+//! water = [0.0, 1.0]
+//!
 //! [[species]]
 //! name = "oak"
 //! file = "oak.glb"               # mesh, or .flb; a plan uses its size alone, and only with a camera
@@ -61,6 +66,7 @@ mod camera;
 mod digest;
 mod ground;
 mod heights;
+mod highlight;
 mod parts;
 mod read;
 mod reading;
@@ -84,6 +90,7 @@ pub use camera::MAX_CAMERA_POINTS;
 pub use digest::light_digest;
 pub use ground::{Ground, HeightMap, Terrain};
 pub use heights::{Grey, Heights, MAX_GREY_BYTES, MAX_GREY_EDGE, MAX_GREY_PIXELS};
+pub use highlight::{HIGHLIGHT_EXPONENTS, HighlightChoice, MAX_HIGHLIGHT};
 pub(crate) use read::SCALES;
 pub use read::{MAX_INSTANCES, MAX_SCENE_BYTES};
 pub(crate) use reading::MAX_COORDINATE_M;
@@ -109,6 +116,8 @@ pub struct Scene {
     pub suns: Suns,
     /// Light of each of these suns, and further suns beside it.
     pub sunlight: Sunlight,
+    /// Highlights of the sun, on plants of the model `paper` alone.
+    pub highlight: HighlightChoice,
     /// Camera that looks at the scene.
     pub camera: Option<Camera>,
     /// Ground on which the plants stand.

@@ -6,6 +6,7 @@
 use flb_format::Transform;
 use flb_format::progress::Progress;
 use flb_format::sun::towards_sun;
+use flb_render::portrait::cover_of_plant;
 use flb_render::reference::render_reference;
 use flb_render::shading::Units;
 use flb_render::{LightQuery, Look, Picture, Portrait, Shading, Species, render_plant};
@@ -16,11 +17,12 @@ use flb_scene::sky::Sky;
 use flb_scene::{ClassedMesh, Observer, Step};
 
 use crate::frames::subject;
-use crate::light::{by_day, even_sky, load_for, shows_fields};
+use crate::light::{by_day, even_sky, load_for};
 use crate::look::sun_strength;
 use crate::parts::{Part, Parts, Sources};
 use crate::plant::PlantLight;
-use crate::{StageError, StageSky};
+use crate::show::Shows;
+use crate::{SceneShow, StageError, StageSky};
 
 /// Size, direction and light of the pictures of a plant alone.
 #[derive(Debug, Clone)]
@@ -36,6 +38,8 @@ pub struct PlantLook {
     pub sky: StageSky,
     /// Light of the sun, and further suns.
     pub sunlight: Sunlight,
+    /// Contents of the pictures, one layer each; not none. A plant alone has no [`SceneShow::Global`].
+    pub shows: Vec<SceneShow>,
     /// Whether light is followed by paths on the mesh, in place of the file's: what that is judged by.
     pub is_path_traced: bool,
 }
@@ -77,8 +81,17 @@ impl<'p> PlantRenderer<'p> {
     ) -> Result<PlantRenderer<'p>, StageError> {
         let ClassedMesh { mesh, classes } = mesh;
         let plant = Species { mesh, classes, shading: Shading::of(light.meta()) };
-        let light = match !look.is_path_traced && shows_fields(&look.look) {
+        let shows = Shows(&look.shows);
+        shows.check(Some(light.library.container().species()[light.species].bases.len()))?;
+        if look.shows.contains(&SceneShow::Global) {
+            return Err(StageError::NoSceneLight);
+        }
+        let look = PlantLook { look: shows.look(look.look), ..look.clone() };
+        let light = match !look.is_path_traced && Shows(&look.shows).has_fields(&look.look) {
             false => None,
+            true if Shows(&look.shows).has_bases() => {
+                Some(SpeciesLight::load(&light.library, light.species)?)
+            }
             true => {
                 let suns = suns_deg.iter().chain(look.sunlight.added.iter().map(|one| &one.sun_deg));
                 let lit = suns.filter(|sun| look.sun_strength(Some(**sun)) > 0.0);
@@ -95,7 +108,48 @@ impl<'p> PlantRenderer<'p> {
     /// # Errors
     /// [`StageError::UnevenSkyOverPaper`], [`StageError::Sky`], [`StageError::Render`], [`StageError::Runtime`].
     pub fn picture(&self, sun_deg: Option<[f64; 2]>, observer: &dyn Observer) -> Result<Picture, StageError> {
-        self.parts(sun_deg)?.sum(|part| self.part(part, observer))
+        self.layer(sun_deg, self.look.shows[0], observer)
+    }
+
+    /// The pictures under a sun, one of each content of its look.
+    ///
+    /// # Errors
+    /// As [`PlantRenderer::picture`].
+    pub fn layers(
+        &self,
+        sun_deg: Option<[f64; 2]>,
+        observer: &dyn Observer,
+    ) -> Result<Vec<(SceneShow, Picture)>, StageError> {
+        let layer = |show: &SceneShow| Ok((*show, self.layer(sun_deg, *show, observer)?));
+        self.look.shows.iter().map(layer).collect()
+    }
+
+    fn layer(
+        &self,
+        sun_deg: Option<[f64; 2]>,
+        show: SceneShow,
+        observer: &dyn Observer,
+    ) -> Result<Picture, StageError> {
+        let look = show.look(&self.look.look);
+        let parts = self.parts(sun_deg, &look)?;
+        if show.is_light() {
+            return parts.sum(|part| self.part(part, observer));
+        }
+        let PlantRenderer { plant, look: PlantLook { portrait, .. }, light } = self;
+        let lighting = &parts.first.lighting;
+        let SceneShow::Base(base) = show else {
+            return Ok(
+                Step::Trace.run(observer, "alpha", |_| cover_of_plant(plant, portrait, lighting, &look))?
+            );
+        };
+        let light = |LightQuery { point, .. }: LightQuery, phi: &mut [f32; 3]| {
+            if let Some(light) = light {
+                light.base_at(usize::from(base), point, phi);
+            }
+        };
+        let render =
+            |progress: &Progress<'_>| render_plant(plant, portrait, lighting, &look, &light, progress);
+        Ok(Step::Render.run(observer, &subject(sun_deg), render)?)
     }
 
     /// The picture of a part of the light.
@@ -132,8 +186,8 @@ impl<'p> PlantRenderer<'p> {
         Ok(Step::Render.run(observer, &subject, render)?)
     }
 
-    fn parts(&self, sun_deg: Option<[f64; 2]>) -> Result<Parts, StageError> {
-        let PlantLook { ambient, sky, sunlight, look, .. } = &self.look;
+    fn parts(&self, sun_deg: Option<[f64; 2]>, look: &Look) -> Result<Parts, StageError> {
+        let PlantLook { ambient, sky, sunlight, .. } = &self.look;
         let units = self.plant.shading.units();
         let ambient = (self.look.even_ambient(units), *ambient);
         let sources = Sources { sky, ambient, sunlight, units, look };

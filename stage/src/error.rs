@@ -93,11 +93,29 @@ pub enum StageError {
     #[error("the scene has no scene light, which is to be shown: bake it by `flb bake-scene`")]
     NoSceneLight,
     /// Frames that only the CPU can make.
-    #[error("scene light by itself is shown on the CPU alone")]
+    #[error("scene light by itself, single bases and alpha are shown on the CPU alone")]
     OnCpuAlone,
+    /// Pictures of nothing, or of one thing twice.
+    #[error(
+        "{0} is to be shown, expected each of light, direct, indirect, base:N, global and alpha once at most"
+    )]
+    Shows(String),
+    /// A base that no species has.
+    #[error("base {base} is to be shown: the species have bases 0 to {last}")]
+    NoBase {
+        /// Place of the base.
+        base: u16,
+        /// Last place of any species.
+        last: usize,
+    },
     /// A file of the model `paper` under an uneven sky.
     #[error("an uneven sky is for physical files: a paper file does not say what comes from the sky itself")]
     UnevenSkyOverPaper,
+    /// Highlights on plants of the model `physical`.
+    #[error(
+        "highlights are for paper files: leaves of a physical file are matt until their gloss is measured"
+    )]
+    HighlightOfPhysical,
     /// Scene light that was baked for other plants, or another ground.
     #[error(
         "is the light of other plants or another ground than the scene's (digest {found}, expected {expected}): bake it \

@@ -16,7 +16,6 @@ use flb_runtime::{RuntimeError, SpeciesLight};
 use flb_scene::{Observer, Step};
 
 use crate::backend::GpuCount;
-use crate::light::shows_fields;
 use crate::{Backend, SceneLook, Stage, StageError, neighbours};
 
 /// A stage on GPUs, and what its camera saw last.
@@ -74,7 +73,7 @@ impl Fleet {
         let sources: Vec<LightSource> = stage
             .plants
             .iter()
-            .map(|plant| match plant.library().filter(|_| shows_fields(&look.look)) {
+            .map(|plant| match plant.library().filter(|_| look.has_fields()) {
                 Some((library, species)) => LightSource::Library { library, species },
                 None => LightSource::Even([0.0; 3]),
             })
@@ -170,7 +169,7 @@ fn names(gpus: &[Gpu]) -> Vec<String> {
 /// `[species]`: what the skies over its plants share, where the light of files is shown.
 fn beams(stage: &Stage, look: &SceneLook) -> Result<Vec<Option<Arc<SkyBeams>>>, RuntimeError> {
     let of_plant = |plant: &crate::plant::ScenePlant| {
-        let Some((library, species)) = plant.library().filter(|_| shows_fields(&look.look)) else {
+        let Some((library, species)) = plant.library().filter(|_| look.has_fields()) else {
             return Ok(None);
         };
         Ok(Some(Arc::new(SpeciesLight::load(library, species)?.sky_beams()?)))

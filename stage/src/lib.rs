@@ -12,12 +12,10 @@
 //!
 //! ```
 //! # fn main() -> Result<(), Box<dyn std::error::Error>> {
-//! use flb_render::Look;
 //! use flb_scene::Unobserved;
 //! use flb_scene::scene::Scene;
 //! use flb_stage::{
-//!     Backend, FrameSettings, LookSettings, OpenSettings, SceneLook, SceneRenderer, SceneShow, Stage,
-//!     StageSky, frames,
+//!     Backend, FrameSettings, LookSettings, OpenSettings, SceneLook, SceneRenderer, Stage, StageSky, frames,
 //! };
 //!
 //! # use flb_format::{Codec, light::SunBasis};
@@ -36,9 +34,7 @@
 //! let scene = Scene::read(&folder.join("forest.toml"))?;
 //! let frames = frames(&scene, &FrameSettings { count: Some(1), needs_sun: true, ..FrameSettings::default() })?;
 //! let stage = Stage::open(scene, &OpenSettings::default(), &Unobserved)?;
-//! let (look, show) = (Look::default(), SceneShow::Light);
-//! let settings = LookSettings { size: None, samples: 4, ambient: None, look, show };
-//! let look = SceneLook::new(&stage, &settings, StageSky::clear(3.0)?)?;
+//! let look = SceneLook::new(&stage, &LookSettings::default(), StageSky::clear(3.0)?)?;
 //! let mut renderer = SceneRenderer::new(&stage, look, &frames, Backend::Cpu, &Unobserved)?;
 //! for (number, frame) in frames.iter().enumerate() {
 //!     let png = renderer.picture(frame, &Unobserved)?.to_png(stage.default_exposure())?;
@@ -70,6 +66,7 @@ mod parts;
 pub mod plant;
 pub mod read;
 mod renderer;
+mod show;
 mod sky;
 mod stage;
 pub mod stream;
@@ -77,10 +74,11 @@ pub mod stream;
 pub use backend::Backend;
 pub use error::StageError;
 pub use frames::{FrameSettings, SceneFrame, frames};
-pub use look::{LookSettings, SceneLook, SceneShow};
+pub use look::{LookSettings, SceneLook};
 pub use mesh_of_light::MeshOfLight;
 pub use open::OpenSettings;
 pub use renderer::SceneRenderer;
+pub use show::SceneShow;
 pub use sky::StageSky;
 pub use stage::Stage;
 

@@ -3,13 +3,14 @@
 use std::sync::Arc;
 
 use flb_format::{Daylight, Placement, Transform};
-use flb_render::{Indirect, Lighting, Look};
+use flb_render::Lighting;
 use flb_runtime::light::{SkyBeams, SkyLight};
 use flb_runtime::scene_light::SceneLightAtSun;
 use flb_runtime::{InstanceLight, Library, RuntimeError, SpeciesLight};
 use flb_scene::sky::Sky;
 use rayon::prelude::*;
 
+use crate::show::Shows;
 use crate::{SceneFrame, SceneLook, Stage, StageError};
 
 /// `[species]`: only the light that frames show is loaded, for the suns as plants see them.
@@ -24,9 +25,12 @@ pub(crate) fn load(
         .map(|[azimuth, elevation]| flb_format::sun::towards_sun(azimuth, elevation))
         .collect();
     let load = |(number, plant): (usize, &crate::plant::ScenePlant)| {
-        let Some((library, species)) = plant.library().filter(|_| shows_fields(&look.look)) else {
+        let Some((library, species)) = plant.library().filter(|_| look.has_fields()) else {
             return Ok(None);
         };
+        if Shows(&look.shows).has_bases() {
+            return Ok(Some(SpeciesLight::load(library, species)?));
+        }
         let placements = || stage.scene.instances.iter().filter(|one| one.species == number);
         let in_model = |sun: &[f64; 3]| {
             let sun = *sun;
@@ -65,11 +69,6 @@ pub(crate) fn by_day<'l>(
         Some(sky) => lit.with_sky(sky, lighting.sun_color),
         None => lit,
     })
-}
-
-/// Whether what files hold is shown.
-pub(crate) fn shows_fields(look: &Look) -> bool {
-    look.indirect != Indirect::Off
 }
 
 /// `[species]`: what the skies over its plants share.

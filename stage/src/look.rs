@@ -3,25 +3,15 @@
 use flb_render::forest::View;
 use flb_render::shading::Units;
 use flb_render::{Lighting, Look};
-use flb_scene::scene::{AddedSun, Sunlight};
+use flb_scene::scene::{AddedSun, HighlightChoice, Sunlight};
 
 use crate::parts::{Parts, Sources};
-use crate::{SceneFrame, Stage, StageError, StageSky};
+use crate::plant::ScenePlant;
+use crate::show::Shows;
+use crate::{SceneFrame, SceneShow, Stage, StageError, StageSky};
 
 /// Rays that look for the sky from each point of the ground that the camera sees.
 pub(crate) const SKY_RAYS: u32 = 4;
-
-/// Content of the frames of a scene.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
-#[cfg_attr(feature = "clap", derive(clap::ValueEnum))]
-pub enum SceneShow {
-    /// Light, or those parts of it that are asked for.
-    #[default]
-    Light,
-    /// Scene light by itself, on the CPU, in grey: the light that plants have among their neighbours over the light
-    /// that they have alone, the sun and the sky together, linear. The sun is white, of irradiance 1, and alone.
-    Global,
-}
 
 /// Size, rays and light that a caller chooses for all frames; `None` is the default of the scene, or of its plants'
 /// model.
@@ -39,8 +29,26 @@ pub struct LookSettings {
     pub added_suns: Option<Vec<AddedSun>>,
     /// Parts of the light that are shown.
     pub look: Look,
-    /// Content of the frames.
-    pub show: SceneShow,
+    /// Highlights in place of those of the scene, and of the look.
+    pub highlight: HighlightChoice,
+    /// Contents of the frames, one layer each; not none.
+    pub shows: Vec<SceneShow>,
+}
+
+impl Default for LookSettings {
+    /// Light, of 4 rays a pixel, all else as the scene has it.
+    fn default() -> LookSettings {
+        LookSettings {
+            size: None,
+            samples: 4,
+            ambient: None,
+            irradiance: None,
+            added_suns: None,
+            look: Look::default(),
+            highlight: HighlightChoice::default(),
+            shows: vec![SceneShow::Light],
+        }
+    }
 }
 
 /// Size, rays, light and sky that all frames share.
@@ -54,8 +62,8 @@ pub struct SceneLook {
     pub ambient: f32,
     /// Parts of the light that are shown.
     pub look: Look,
-    /// Content of the frames.
-    pub show: SceneShow,
+    /// Contents of the frames, one layer each.
+    pub shows: Vec<SceneShow>,
     /// The sky.
     pub sky: StageSky,
     /// Light of the sun of a frame, and further suns.
@@ -71,10 +79,13 @@ impl SceneLook {
     /// Makes the look of a stage under a sky.
     ///
     /// # Errors
-    /// [`StageError::UnevenSkyOverPaper`], [`StageError::Sky`]; [`StageError::NoSceneLight`] where that is to be shown
+    /// [`StageError::UnevenSkyOverPaper`], [`StageError::Sky`], [`StageError::HighlightOfPhysical`];
+    /// [`StageError::Shows`], [`StageError::NoBase`]; [`StageError::NoSceneLight`] where that is to be shown
     /// and there is none.
     pub fn new(stage: &Stage, settings: &LookSettings, sky: StageSky) -> Result<SceneLook, StageError> {
-        if settings.show == SceneShow::Global && stage.scene_light.is_none() {
+        let shows = Shows(&settings.shows);
+        shows.check(Some(stage.plants.iter().map(ScenePlant::bases).max().unwrap_or(0)))?;
+        if settings.shows.contains(&SceneShow::Global) && stage.scene_light.is_none() {
             return Err(StageError::NoSceneLight);
         }
         let scene = &stage.scene;
@@ -83,12 +94,17 @@ impl SceneLook {
         let asked_ambient = settings.ambient.or(scene.ambient.map(|ambient| ambient as f32));
         let units = stage.units();
         sky.over([0.0, 1.0, 0.0], None, units)?;
+        let highlight = settings.highlight.or(scene.highlight);
+        if highlight.is_any() && !units.has_highlights() {
+            return Err(StageError::HighlightOfPhysical);
+        }
+        let highlights = settings.look.highlights.with(&highlight);
         Ok(SceneLook {
             size: settings.size.unwrap_or(wide),
             samples: settings.samples,
             ambient: asked_ambient.unwrap_or(stage.default_ambient()),
-            look: settings.look,
-            show: settings.show,
+            look: shows.look(Look { highlights, ..settings.look }),
+            shows: settings.shows.clone(),
             sky,
             sunlight: Sunlight {
                 irradiance: settings.irradiance.unwrap_or(scene.sunlight.irradiance),
@@ -121,10 +137,12 @@ impl SceneLook {
             units: self.units,
             look: shown,
         };
-        match self.show {
-            SceneShow::Light => sources.parts(sun_deg, |sun_deg| self.strength(Some(sun_deg))),
-            SceneShow::Global => Ok(Parts::of_white(self.lighting(sun_deg)?, sun_deg, shown)),
-        }
+        sources.parts(sun_deg, |sun_deg| self.strength(Some(sun_deg)))
+    }
+
+    /// Whether any content is what files hold.
+    pub(crate) fn has_fields(&self) -> bool {
+        Shows(&self.shows).has_fields(&self.look)
     }
 
     /// Suns of a frame that light the scene.

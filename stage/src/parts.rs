@@ -88,12 +88,6 @@ impl Sources<'_> {
 }
 
 impl Parts {
-    /// Light that is no sum.
-    pub(crate) fn of_white(lighting: Lighting, sun_deg: Option<[f64; 2]>, look: &Look) -> Parts {
-        let first = Part { lighting, look: *look, sun_deg, factor: [1.0; 3] };
-        Parts { first, others: Vec::new() }
-    }
-
     /// The sum of the pictures of all parts, each taken by `take`.
     pub(crate) fn sum<E>(&self, mut take: impl FnMut(&Part) -> Result<Picture, E>) -> Result<Picture, E> {
         let mut sum = take(&self.first)?;

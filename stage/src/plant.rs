@@ -79,6 +79,11 @@ impl ScenePlant {
         self.light.as_ref().is_some_and(|light| light.meta().model.suns().has_near_beam())
     }
 
+    /// Number of its bases; 0 without light.
+    pub(crate) fn bases(&self) -> usize {
+        self.library().map_or(0, |(library, index)| library.container().species()[index].bases.len())
+    }
+
     /// Suns that its light depends on.
     #[cfg(feature = "gpu")]
     pub(crate) fn suns(&self) -> Option<&flb_format::light::SunBasis> {

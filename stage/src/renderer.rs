@@ -4,17 +4,17 @@ use std::sync::Arc;
 
 use flb_format::progress::Progress;
 use flb_render::forest::{Forest, Fragments, Search, View};
-use flb_render::{LightQuery, Picture};
+use flb_render::{LightQuery, Lighting, Picture};
 use flb_runtime::SpeciesLight;
 use flb_runtime::light::{LightCursors, SkyBeams};
 use flb_scene::{Observer, Step};
 
 use crate::fleet::Fleet;
 use crate::frames::subject;
-use crate::look::SceneShow;
 use crate::neighbours::Neighbours;
 use crate::parts::Part;
-use crate::{Backend, SceneFrame, SceneLook, Stage, StageError, light};
+use crate::show::Shows;
+use crate::{Backend, SceneFrame, SceneLook, SceneShow, Stage, StageError, light};
 
 /// Makes frames of a stage in the light of whole files.
 pub struct SceneRenderer<'s> {
@@ -75,10 +75,10 @@ impl<'s> SceneRenderer<'s> {
         backend: Backend,
         observer: &dyn Observer,
     ) -> Result<SceneRenderer<'s>, StageError> {
-        let backend = match (look.show, backend) {
-            (SceneShow::Light, backend) => backend,
-            (SceneShow::Global, Backend::Gpu(_)) => return Err(StageError::OnCpuAlone),
-            (SceneShow::Global, Backend::Cpu | Backend::Auto(_)) => Backend::Cpu,
+        let backend = match (Shows(&look.shows).needs_cpu(), backend) {
+            (false, backend) => backend,
+            (true, Backend::Gpu(_)) => return Err(StageError::OnCpuAlone),
+            (true, Backend::Cpu | Backend::Auto(_)) => Backend::Cpu,
         };
         let forest = Step::Prepare.run(observer, "", |_| stage.forest(Search::default()))?;
         let on = match Fleet::send(backend, stage, &forest, &look, observer)? {
@@ -95,53 +95,104 @@ impl<'s> SceneRenderer<'s> {
         Ok(SceneRenderer { stage, look, forest, neighbours: Neighbours::of(stage), on })
     }
 
-    /// The picture of a frame, linear. What the camera sees and what plants do to each other's light is kept for the
-    /// next one.
+    /// The picture of a frame, linear, of the first content of its look. What the camera sees and what plants do to
+    /// each other's light is kept for the next one.
     ///
     /// # Errors
     /// [`StageError::Render`], [`StageError::Runtime`]; of GPUs, when the last one was lost.
     pub fn picture(&mut self, frame: &SceneFrame, observer: &dyn Observer) -> Result<Picture, StageError> {
-        let view = self.look.view(frame);
-        self.look.parts(frame.sun_deg, &self.look.look)?.sum(|part| self.part(&view, part, observer))
+        self.layer(frame, self.look.shows[0], observer)
+    }
+
+    /// The pictures of a frame, one of each content of its look.
+    ///
+    /// # Errors
+    /// As [`SceneRenderer::picture`].
+    pub fn layers(
+        &mut self,
+        frame: &SceneFrame,
+        observer: &dyn Observer,
+    ) -> Result<Vec<(SceneShow, Picture)>, StageError> {
+        let shows = self.look.shows.clone();
+        shows.into_iter().map(|show| Ok((show, self.layer(frame, show, observer)?))).collect()
+    }
+
+    fn layer(
+        &mut self,
+        frame: &SceneFrame,
+        show: SceneShow,
+        observer: &dyn Observer,
+    ) -> Result<Picture, StageError> {
+        let (view, look) = (self.look.view(frame), show.look(&self.look.look));
+        if show.is_light() {
+            let parts = self.look.parts(frame.sun_deg, &look)?;
+            return parts.sum(|part| self.part(&view, part, observer));
+        }
+        let lighting = self.look.lighting(frame.sun_deg)?;
+        let subject = subject(frame.sun_deg);
+        if show == SceneShow::Alpha {
+            return Ok(Step::Trace.run(observer, "alpha", |_| self.forest.coverage(&view, &lighting, &look))?);
+        }
+        self.turn(&lighting, observer)?;
+        let shade = self.neighbours.as_ref().and_then(Neighbours::shade);
+        let On::Cpu(cpu) = &mut self.on else { return Err(StageError::OnCpuAlone) };
+        let fragments = seen(&mut cpu.camera, &self.forest, &view, observer)?;
+        let placements = &self.stage.scene.instances;
+        if let SceneShow::Base(base) = show {
+            let light = |LightQuery { instance, point, .. }: LightQuery, phi: &mut [f32; 3]| {
+                if let Some(light) = &cpu.light[placements[instance as usize].species] {
+                    light.base_at(usize::from(base), point, phi);
+                }
+            };
+            let relight =
+                |progress: &Progress<'_>| self.forest.relight(fragments, &lighting, &look, &light, progress);
+            return Ok(Step::Relight.run(observer, &subject, relight)?);
+        }
+        let find = |dome| Step::Sky.run(observer, &subject, |_| light::skies(&cpu.beams, placements, dome));
+        let skies = lighting.dome.as_ref().map(find).transpose()?;
+        let of_plants =
+            |shade| light::of_plants(&cpu.light, skies.as_ref(), placements, &lighting, shade, view.samples);
+        let (among, alone) = (of_plants(shade)?, of_plants(None)?);
+        let [among, alone] = [&among, &alone].map(|lit| LightCursors::new(lit));
+        let show = |LightQuery { instance, point, facing }: LightQuery, color: &mut [f32; 3]| {
+            let [mut all, mut own] = [[0.0; 3]; 2];
+            among.at_facing(instance as usize, point, facing, &mut all);
+            alone.at_facing(instance as usize, point, facing, &mut own);
+            *color = [share(all, own); 3];
+        };
+        Step::Relight.run(observer, &subject, |_| Ok(self.forest.marked(fragments, &show)))
     }
 
     /// The picture of a part of the light.
     fn part(&mut self, view: &View, part: &Part, observer: &dyn Observer) -> Result<Picture, StageError> {
         let Part { lighting, look, sun_deg, .. } = part;
-        if let Some(neighbours) = self.neighbours.as_mut().filter(|one| !one.is_at(&lighting.daylight)) {
-            Step::Shade.run(observer, "", |_| neighbours.turn(&lighting.daylight))?;
-        }
+        self.turn(lighting, observer)?;
         let shade = self.neighbours.as_ref().and_then(Neighbours::shade);
         let subject = subject(*sun_deg);
         let OnCpu { light, beams, camera } = match &mut self.on {
             On::Gpus(fleet) => return fleet.picture(view, (lighting, look), shade, (&subject, observer)),
             On::Cpu(cpu) => &mut **cpu,
         };
-        let forest = &self.forest;
-        let trace = || Step::Trace.run(observer, "", |progress| forest.trace(view, progress));
-        let fragments = camera.fragments(view, trace)?;
+        let fragments = seen(camera, &self.forest, view, observer)?;
         let placements = &self.stage.scene.instances;
         let find = |dome| Step::Sky.run(observer, &subject, |_| light::skies(beams, placements, dome));
         let skies = lighting.dome.as_ref().map(find).transpose()?;
-        let lit = light::of_plants(light, skies.as_ref(), placements, lighting, shade, self.look.samples)?;
+        let lit = light::of_plants(light, skies.as_ref(), placements, lighting, shade, view.samples)?;
         let cursors = LightCursors::new(&lit);
-        if self.look.show == SceneShow::Global {
-            let bare =
-                light::of_plants(light, skies.as_ref(), placements, lighting, None, self.look.samples)?;
-            let bare = LightCursors::new(&bare);
-            let show = |LightQuery { instance, point, facing }: LightQuery, color: &mut [f32; 3]| {
-                let [mut among, mut alone] = [[0.0; 3]; 2];
-                cursors.at_facing(instance as usize, point, facing, &mut among);
-                bare.at_facing(instance as usize, point, facing, &mut alone);
-                *color = [share(among, alone); 3];
-            };
-            return Step::Relight.run(observer, &subject, |_| Ok(forest.marked(fragments, &show)));
-        }
         let light = |LightQuery { instance, point, facing }: LightQuery, phi: &mut [f32; 3]| {
             cursors.at_facing(instance as usize, point, facing, phi);
         };
-        let relight = |progress: &Progress<'_>| forest.relight(fragments, lighting, look, &light, progress);
+        let relight =
+            |progress: &Progress<'_>| self.forest.relight(fragments, lighting, look, &light, progress);
         Ok(Step::Relight.run(observer, &subject, relight)?)
+    }
+
+    /// Finds what plants do to each other's light, if the sun has moved.
+    fn turn(&mut self, lighting: &Lighting, observer: &dyn Observer) -> Result<(), StageError> {
+        if let Some(neighbours) = self.neighbours.as_mut().filter(|one| !one.is_at(&lighting.daylight)) {
+            Step::Shade.run(observer, "", |_| neighbours.turn(&lighting.daylight))?;
+        }
+        Ok(())
     }
 
     /// Rays of the last frame that met a plant, the ground, nothing, and water.
@@ -170,6 +221,16 @@ impl<'s> SceneRenderer<'s> {
             On::Cpu(_) => &[],
         }
     }
+}
+
+/// What the camera sees, traced unless it is known.
+fn seen<'k>(
+    camera: &'k mut Kept,
+    forest: &Forest<'_>,
+    view: &View,
+    observer: &dyn Observer,
+) -> Result<&'k Fragments, StageError> {
+    camera.fragments(view, || Ok(Step::Trace.run(observer, "", |progress| forest.trace(view, progress))?))
 }
 
 /// Light among neighbours over that of a plant alone; 0 where there is neither.

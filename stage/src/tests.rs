@@ -6,7 +6,9 @@ use flb_format::eye::Eye;
 use flb_format::light::SunBasis;
 use flb_render::shading::Units;
 use flb_render::{Indirect, Look, Picture, Portrait, Shading};
-use flb_scene::scene::{Camera, Ground, Scene, SceneSky, SceneSpecies, Sunlight, Suns, Terrain};
+use flb_scene::scene::{
+    Camera, Ground, HighlightChoice, Scene, SceneSky, SceneSpecies, Sunlight, Suns, Terrain,
+};
 use flb_scene::{ClassedMesh, ImportSettings, Observer, Unobserved};
 use flb_testkit::{plants, scenes};
 
@@ -52,6 +54,7 @@ fn stand_in(suns: Option<&SunBasis>, shading: Shading) -> Stage {
         sky: SceneSky::Even,
         suns: Suns::Fixed(vec![SUN_DEG, [250.0, 15.0]]),
         sunlight: Sunlight::default(),
+        highlight: HighlightChoice::default(),
         camera: Some(Camera {
             path_m: vec![position_m, aside(position_m)],
             look_at_m: Some(vec![look_at_m]),
@@ -69,15 +72,8 @@ fn stand_in(suns: Option<&SunBasis>, shading: Shading) -> Stage {
 }
 
 pub(crate) fn look(stage: &Stage, sky: StageSky) -> SceneLook {
-    let settings = LookSettings {
-        size: Some(SIZE),
-        samples: 1,
-        ambient: Some(0.4),
-        irradiance: None,
-        added_suns: None,
-        look: Look::default(),
-        show: SceneShow::Light,
-    };
+    let settings =
+        LookSettings { size: Some(SIZE), samples: 1, ambient: Some(0.4), ..LookSettings::default() };
     SceneLook::new(stage, &settings, sky).expect("a sky")
 }
 
@@ -126,7 +122,8 @@ fn of_a_plant_alone_direct_and_indirect_light_make_the_picture() {
         let portrait = Portrait { width, height, samples: 2, ..Portrait::default() };
         let look = Look { indirect, ..Look::default() };
         let sunlight = Sunlight::default();
-        let look = PlantLook { portrait, look, ambient: None, sky, sunlight, is_path_traced: false };
+        let shows = vec![SceneShow::Light];
+        let look = PlantLook { portrait, look, ambient: None, sky, sunlight, shows, is_path_traced: false };
         let renderer = PlantRenderer::new(&plant.mesh, light, look, &[SUN_DEG]).expect("it is read");
         renderer.picture(Some(SUN_DEG), &Unobserved).expect("a picture")
     };

@@ -3,7 +3,7 @@ use proptest::prelude::*;
 
 use super::*;
 use flb_format::sun::{blend, towards_sun};
-use flb_scene::scene::{AddedSun, Camera, SceneSky, SceneSpecies, SunPath, Sunlight};
+use flb_scene::scene::{AddedSun, Camera, HighlightChoice, SceneSky, SceneSpecies, SunPath, Sunlight};
 
 fn path(text: &str) -> SunPath {
     text.parse().expect("a path")
@@ -19,6 +19,7 @@ fn scene(suns: Suns, instances: Vec<Placement>) -> Scene {
         sky: SceneSky::Even,
         suns,
         sunlight: Sunlight::default(),
+        highlight: HighlightChoice::default(),
         camera: None,
         ground: None,
         water: None,

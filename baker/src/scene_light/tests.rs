@@ -376,6 +376,7 @@ fn a_digest_tells_plants_and_ground_apart_and_nothing_else() {
         sky: SceneSky::Even,
         suns: scene::Suns::Sky,
         sunlight: scene::Sunlight::default(),
+        highlight: scene::HighlightChoice::default(),
         camera: None,
         ground: Some(scene::Ground { terrain: Terrain::Plane { height_m: 0.0 }, color: [0.2; 3] }),
         water: None,

@@ -4,7 +4,6 @@ use std::path::PathBuf;
 
 use clap::{ArgAction, Args, ValueEnum};
 use flb_files::Existing;
-use flb_render::Indirect;
 use flb_scene::scene::SunHours;
 
 use super::gpu_count::gpu_count;
@@ -12,7 +11,7 @@ use super::values::{angle_pair, existing, exposure, size};
 use flb_stage::SceneShow;
 use flb_stage::backend::GpuCount;
 
-use super::{BandArgs, MemoryArgs, SceneLightArgs, SkyArgs, SunlightArgs};
+use super::{BandArgs, HighlightArgs, MemoryArgs, SceneLightArgs, SkyArgs, SunlightArgs};
 
 #[derive(Args)]
 pub(crate) struct RenderArgs {
@@ -31,6 +30,8 @@ pub(crate) struct RenderArgs {
     pub sun: Vec<[f64; 2]>,
     #[command(flatten)]
     pub sunlight: SunlightArgs,
+    #[command(flatten)]
+    pub highlight: HighlightArgs,
     /// Take so many pictures of a scene while its sun goes along --sun-path, or from the first to the last of the suns
     /// (of --sun, else the scene's), and its camera along its path: OUT-0001.png and so on
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=9999))]
@@ -84,12 +85,13 @@ pub(crate) struct RenderArgs {
     /// Rays per pixel [default: 16; of a scene 4]
     #[arg(long, value_name = "N")]
     pub samples: Option<u32>,
-    /// Show the indirect light or not, or nothing but it
-    #[arg(long, value_enum, default_value_t = Indirect::On)]
-    pub indirect: Indirect,
-    /// What pictures of a scene show: light, or in grey how much of each plant's own light its neighbours leave and add
-    #[arg(long, value_enum, default_value_t = SceneShow::Light, conflicts_with = "indirect")]
-    pub show: SceneShow,
+    /// What pictures show: `light`; `direct`, from the sun and the sky behind; `indirect`, the rest of it; `base:N`,
+    /// the light of one base; `global`, of a scene, in grey how much of each plant's own light its neighbours leave and
+    /// add; `alpha`, how much of a pixel plants and ground cover, beside which no sky is drawn behind. Several, as in
+    /// `light,direct,indirect,alpha`, are layers of one .exr: channels R, G, B, A of the light, and direct.R and so on;
+    /// a .png takes one, and `alpha` beside it
+    #[arg(long, value_delimiter = ',', default_value = "light", value_name = "WHAT,...")]
+    pub show: Vec<SceneShow>,
     /// Where the camera stands: azimuth and elevation seen from the plant, degrees [default: 180,8]; a scene has its
     /// own camera
     #[arg(long, value_name = "AZIMUTH,ELEVATION", value_parser = angle_pair, allow_hyphen_values = true)]

@@ -7,7 +7,7 @@ use flb_files::Existing;
 use flb_view::Show;
 
 use super::values::{above_0, angle_pair, existing, exposure, size};
-use super::{BandArgs, MemoryArgs, RenderBackendArg, SceneLightArgs, SkyArgs, SunlightArgs};
+use super::{BandArgs, HighlightArgs, MemoryArgs, RenderBackendArg, SceneLightArgs, SkyArgs, SunlightArgs};
 
 #[derive(Args)]
 pub(crate) struct ViewArgs {
@@ -20,6 +20,8 @@ pub(crate) struct ViewArgs {
     pub sun: Option<[f64; 2]>,
     #[command(flatten)]
     pub sunlight: SunlightArgs,
+    #[command(flatten)]
+    pub highlight: HighlightArgs,
     /// What is shown to begin with: `all`, `indirect`, `direct`, `base:N` (the light of one base), `level` (green: all
     /// there, yellow: averages, orange: other bases, red: nothing), `residency` (white: all detail is loaded), `error`
     /// (white: 10 % off what the whole file has)

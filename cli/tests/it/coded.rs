@@ -23,9 +23,9 @@ fn pictures(folder: &Folder, model: &[&str], coding: &[&str]) -> [Vec<u8>; 2] {
     let species: Vec<&str> = species.iter().map(String::as_str).collect();
     let scatter = ["scatter", "--count", "40", "--area", "60,40", "-o", "stand.toml", "--force"];
     folder.flb_with(&scatter, &species).expect_code(0);
-    ["on", "only"].map(|indirect| {
+    ["light", "indirect"].map(|show| {
         let render = ["render", "stand.toml", "--size", "160x90", "--samples", "4", "-o", "a.png", "--force"];
-        folder.flb_with(&render, &["--indirect", indirect]).expect_code(0);
+        folder.flb_with(&render, &["--show", show]).expect_code(0);
         pixels(&folder.read("a.png"))
     })
 }

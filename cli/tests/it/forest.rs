@@ -97,7 +97,7 @@ fn a_scene_is_drawn_in_the_light_of_its_species_to_the_same_bytes_by_any_number_
     folder.flb_with(&render, &["--threads", "1", "-o", "one.png"]).expect_code(0);
     assert_eq!(folder.read("all.png"), folder.read("one.png"));
     // Baked light is there: it is most of what shows on plants.
-    folder.flb_with(&render, &["--indirect", "off", "-o", "off.png"]).expect_code(0);
+    folder.flb_with(&render, &["--show", "direct", "-o", "off.png"]).expect_code(0);
     let sum = |name: &str| pixels(&folder.read(name)).iter().map(|value| u64::from(*value)).sum::<u64>();
     assert!(sum("all.png") > sum("off.png") + 20_000, "{} {}", sum("all.png"), sum("off.png"));
     // Several suns make a sheet, as of a single plant.
@@ -137,6 +137,47 @@ const MEAN_CHANGE: f64 = 6.0;
 const CHANGE_OF_A_DAY: u8 = 2 * MAX_CHANGE;
 
 #[test]
+fn layers_of_a_scene_and_of_a_plant_are_in_one_exr_or_in_a_png_with_alpha() {
+    let folder = baked(&PAPER);
+    scatter(&folder);
+    let scene = ["render", "stand.toml", "--size", "32x18", "--sun", "90,30", "--force"];
+    let plant = ["render", "oak.flb", "--mesh", "oak.glb", "--size", "24x24", "--sun", "90,30", "--force"];
+    for render in [&scene[..], &plant] {
+        let all = ["--show", "light,direct,indirect,base:3,alpha", "-o", "all.exr"];
+        folder.flb_with(render, &all).expect_code(0);
+        let exr = folder.read("all.exr");
+        let has = |exr: &[u8], name: &str| {
+            let name = [name.as_bytes(), &[0]].concat();
+            exr.windows(name.len()).any(|found| found == name)
+        };
+        for name in ["A", "R", "direct.R", "indirect.B", "base3.G"] {
+            assert!(has(&exr, name), "{name}");
+        }
+        folder.flb_with(render, &["--show", "indirect", "-o", "one.exr"]).expect_code(0);
+        let one = folder.read("one.exr");
+        assert!(has(&one, "R") && !has(&one, "indirect.R") && !has(&one, "A"));
+        folder.flb_with(render, &["--show", "light,alpha", "-o", "over.png"]).expect_code(0);
+        let png = folder.read("over.png");
+        assert_eq!((png[24], png[25]), (8, 6), "8 bits of red, green, blue and alpha");
+        folder.flb_with(render, &["-o", "plain.png"]).expect_code(0);
+        assert_eq!(folder.read("plain.png")[25], 2);
+        let refused = |show: &str, output: &str, says: &[&str]| {
+            folder.flb_with(render, &["--show", show, "-o", output]).expect_code(2).says(says);
+        };
+        refused("light,direct", "a.png", &["a.png", "--show", "an .exr holds all"]);
+        refused("alpha", "a.png", &["a.png", "--show"]);
+        refused("light,light", "a.exr", &["light twice is to be shown"]);
+        refused("base:99", "a.exr", &["base 99 is to be shown", "bases 0 to 18"]);
+        refused(
+            "lit",
+            "a.exr",
+            &["found \"lit\", expected light, direct, indirect, base:N, global or alpha"],
+        );
+        refused("global", "a.exr", &[]);
+    }
+}
+
+#[test]
 fn light_changes_little_while_the_sun_moves_half_a_degree() {
     for model in [&PAPER[..], &["--suns", "sh1", "--ordinates", "18"]] {
         let folder = baked(model);
@@ -144,14 +185,14 @@ fn light_changes_little_while_the_sun_moves_half_a_degree() {
         // From the east over the south to the west, 60 degrees high at noon.
         let suns = ["--sun", "90,1", "--sun", "180,60", "--sun", "270,1"];
         let render = ["render", "stand.toml", "--size", "32x18", "--samples", "8", "--frames", "433"];
-        let frames = |indirect: &str| -> Vec<Vec<u8>> {
-            let out = format!("{indirect}.png");
-            let words = ["--indirect", indirect, "-o", &out, "--json"];
+        let frames = |show: &str| -> Vec<Vec<u8>> {
+            let out = format!("{show}.png");
+            let words = ["--show", show, "-o", &out, "--json"];
             let run = folder.flb_with(&[&render[..], &suns].concat(), &words).expect_code(0).json();
             fits("render", &run);
             assert_eq!(run["scene"]["frames"].as_array().map(Vec::len), Some(433));
             assert_eq!((&run["suns"][0], &run["suns"][432]), (&json!([90.0, 1.0]), &json!([270.0, 1.0])));
-            (1..=433).map(|frame| pixels(&folder.read(&format!("{indirect}-{frame:04}.png")))).collect()
+            (1..=433).map(|frame| pixels(&folder.read(&format!("{show}-{frame:04}.png")))).collect()
         };
         let changes = |frames: &[Vec<u8>]| -> Vec<Vec<u8>> {
             let change = |pair: &[Vec<u8>]| {
@@ -160,13 +201,13 @@ fn light_changes_little_while_the_sun_moves_half_a_degree() {
             frames.windows(2).map(change).collect()
         };
         // Baked light alone has no shadow edges.
-        let baked = frames("only");
+        let baked = frames("indirect");
         let largest = changes(&baked).iter().flatten().copied().max().expect("pixels");
         assert!(largest <= MAX_CHANGE, "{model:?}: {largest}");
         // It does change: the comparison can find something.
         let whole_day = baked[0].iter().zip(&baked[216]).map(|(a, b)| a.abs_diff(*b)).max().expect("pixels");
         assert!(whole_day >= CHANGE_OF_A_DAY, "{model:?}: {whole_day}");
-        for change in changes(&frames("on")) {
+        for change in changes(&frames("light")) {
             let mean = change.iter().map(|value| f64::from(*value)).sum::<f64>() / change.len() as f64;
             assert!(mean <= MEAN_CHANGE, "{model:?}: {mean}");
         }

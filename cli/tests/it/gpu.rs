@@ -149,7 +149,7 @@ fn a_gpu_draws_scenes_in_their_scene_light_as_the_cpu_does() {
     let bake = ["bake-scene", "stand.toml", "-o", "stand.flb", "--lattice", "16", "--ordinates", "18"];
     folder.flb(&bake).expect_code(0);
     let render = |backend: &str, more: &[&str], out: &str| {
-        let words = [&[backend, "--indirect", "only", "-o", out], more].concat();
+        let words = [&[backend, "--show", "indirect", "-o", out], more].concat();
         folder.flb_with(&RENDER, &words).expect_code(0)
     };
     let with = ["--scene-light", "stand.flb"];

@@ -106,7 +106,7 @@ fn json_of_every_command_fits_its_schema() {
     // The same light has no difference; that of another coding has one, times ten in the third picture.
     for (other, is_same) in [("draft.flb", true), ("fields.flb", false)] {
         let beside = folder
-            .flb_with(&words, &["--json", "--force", "--against", other, "--indirect", "only"])
+            .flb_with(&words, &["--json", "--force", "--against", other, "--show", "indirect"])
             .expect_code(0)
             .json();
         fits("render", &beside);

@@ -67,13 +67,13 @@ fn main_job(flags: &[&str]) {
     assert!(folder.read("oak.npy").len() > 3 * 32 * 32 * 32 * 4);
 
     let render = ["render", "oak.flb", "--mesh", "oak.glb", "--size", "48x32", "--samples", "2"];
-    for indirect in ["on", "off", "only"] {
-        let out = format!("{indirect}.png");
-        folder.flb_with(&render, &["--sun", "120,30", "--indirect", indirect, "-o", &out]).expect_code(0);
+    for show in ["light", "direct", "indirect"] {
+        let out = format!("{show}.png");
+        folder.flb_with(&render, &["--sun", "120,30", "--show", show, "-o", &out]).expect_code(0);
         assert!(folder.read(&out).starts_with(&PNG), "{out}");
     }
-    assert_ne!(folder.read("on.png"), folder.read("off.png"));
-    assert_ne!(folder.read("on.png"), folder.read("only.png"));
+    assert_ne!(folder.read("light.png"), folder.read("direct.png"));
+    assert_ne!(folder.read("light.png"), folder.read("indirect.png"));
     folder.flb_with(&render, &["--sun", "120,30", "-o", "one.exr"]).expect_code(0);
     assert!(folder.read("one.exr").starts_with(&EXR));
     // A sheet of three, from a library that holds another species too.

@@ -60,8 +60,8 @@ fn a_physical_bake_goes_all_the_way_to_a_picture() {
     let lit = folder.flb_with(&render, &["-o", "lit.exr", "--json"]).expect_code(0);
     fits("render", &lit.json());
     folder.flb_with(&render, &["-o", "traced.exr", "--path-traced"]).expect_code(0);
-    folder.flb_with(&render, &["-o", "direct.exr", "--indirect", "off"]).expect_code(0);
-    folder.flb_with(&render, &["-o", "direct2.exr", "--indirect", "off", "--path-traced"]).expect_code(0);
+    folder.flb_with(&render, &["-o", "direct.exr", "--show", "direct"]).expect_code(0);
+    folder.flb_with(&render, &["-o", "direct2.exr", "--show", "direct", "--path-traced"]).expect_code(0);
     assert_eq!(folder.read("direct.exr"), folder.read("direct2.exr"));
     assert_ne!(folder.read("lit.exr"), folder.read("direct.exr"));
 }

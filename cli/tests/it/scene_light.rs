@@ -89,7 +89,7 @@ fn light_among_neighbours_changes_little_while_the_sun_moves_half_a_degree() {
     let folder = stand();
     bake_scene(&folder, &["--suns", "sh1", "-o", "stand.flb"]).expect_code(0);
     // In the morning, when shadows are long.
-    let suns = ["--sun", "90,4", "--sun", "107,16", "--frames", "41", "--samples", "8", "--indirect", "only"];
+    let suns = ["--sun", "90,4", "--sun", "107,16", "--frames", "41", "--samples", "8", "--show", "indirect"];
     let words = ["render", "stand.toml", "--size", "48x27", "--scene-light", "stand.flb", "-o", "f.png"];
     folder.flb_with(&words, &suns).expect_code(0);
     let frames: Vec<Vec<u8>> =
@@ -252,7 +252,7 @@ fn plants_of_the_papers_model_are_scaled_by_either_factor_and_their_ground_is_le
     folder.flb(&["validate", "stand.flb"]).expect_code(0);
     let light = ["--scene-light", "stand.flb"];
     let draw = |name: &str, more: &[&str]| {
-        let indirect = ["--indirect", "only", "--sun", "90,20", "-o", name];
+        let indirect = ["--show", "indirect", "--sun", "90,20", "-o", name];
         render(&folder, &[&indirect[..], more].concat()).expect_code(0);
         pixels(&folder.read(name)).iter().map(|byte| f64::from(*byte)).sum::<f64>()
     };
@@ -275,8 +275,6 @@ fn plants_of_the_papers_model_are_scaled_by_either_factor_and_their_ground_is_le
     render(&folder, &global).expect_code(2).says(&["stand.toml", "no scene light", "flb bake-scene"]);
     let on_gpu = [&light[..], &global, &["--backend", "gpu"]].concat();
     render(&folder, &on_gpu).expect_code(2).says(&["on the CPU alone"]);
-    let both = [&light[..], &global, &["--indirect", "only"]].concat();
-    render(&folder, &both).expect_code(2).says(&["--indirect"]);
     let says = ["stand.toml", "--scene-factor needs scene light"];
     render(&folder, &["--scene-factor", "empty", "-o", "x.png"]).expect_code(2).says(&says);
     // One plant moves, and the scene alone is solved again.

@@ -91,7 +91,7 @@ fn an_image_lights_plants_from_its_bright_side_without_a_sun() {
     for (name, file) in [("east.toml", "east.hdr"), ("west.toml", "west.hdr")] {
         scene(&folder, name, &format!("[sky]\nimage = \"{file}\"\nambient = 2.0\n"));
     }
-    let only = ["--indirect", "only"];
+    let only = ["--show", "indirect"];
     let [east, west] = ["east.toml", "west.toml"].map(|file| seen(&folder, file, &only));
     let run = render(&folder, "east.toml", &only).expect_code(0).json();
     assert_eq!(misfits(&schema("render"), &run), [""; 0], "{run}");

@@ -137,7 +137,7 @@ fn among_neighbours(suns: &str) {
     let [width, height] = [SIZE[0] - 250, SIZE[1]];
     let size = format!("{width}x{height}");
     let words =
-        ["render", "stand.toml", "--size", &size, "--samples", "4", "--indirect", "only", "-o", "a.png"];
+        ["render", "stand.toml", "--size", &size, "--samples", "4", "--show", "indirect", "-o", "a.png"];
     let clear = ["--scene-light", "light.flb", "--sky", "clear", "--turbidity", "4", "--backend", "cpu"];
     let (under_clear, _) = shoot(&folder, "indirect", &clear);
     let under_clear = picture(&under_clear);
@@ -176,7 +176,7 @@ fn water_mirrors_in_the_window_as_in_a_render_and_the_camera_stays_above() {
     let [width, height] = [SIZE[0] - 250, SIZE[1]];
     let size = format!("{width}x{height}");
     let words =
-        ["render", "stand.toml", "--size", &size, "--samples", "4", "--indirect", "off", "-o", "a.png"];
+        ["render", "stand.toml", "--size", &size, "--samples", "4", "--show", "direct", "-o", "a.png"];
     folder.flb(&words).expect_code(0);
     let rendered: Vec<[u8; 3]> =
         pixels(&folder.read("a.png")).chunks_exact(width).flat_map(|row| row[..PICTURE].to_vec()).collect();

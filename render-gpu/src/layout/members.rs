@@ -30,13 +30,13 @@ pub(crate) const VIEW: [Member; 25] = [
     ("corner", 2),
     ("size", 2),
 ];
-pub(crate) const DAYLIGHT: [Member; 21] = [
+pub(crate) const DAYLIGHT: [Member; 25] = [
     ("towards_sun", 3),
     ("sun_strength", 1),
     ("ground_color", 3),
     ("white_in_sun", 1),
     ("horizon", 3),
-    ("specular", 1),
+    ("has_backdrop", 1),
     ("zenith", 3),
     ("haze_m", 1),
     ("center", 3),
@@ -52,6 +52,11 @@ pub(crate) const DAYLIGHT: [Member; 21] = [
     ("has_dome", 1),
     ("unused", 1),
     ("unused_2", 2),
+    // Of leaves, wood and water.
+    ("highlights", 3),
+    ("unused_3", 1),
+    ("exponents", 3),
+    ("unused_4", 1),
 ];
 pub(crate) const STRIP: [Member; 4] = [("top", 1), ("columns", 1), ("first", 1), ("unused", 1)];
 pub(crate) const FRAGMENT: [Member; 5] =

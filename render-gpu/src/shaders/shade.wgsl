@@ -1,7 +1,6 @@
 // Fragments to colours without the light of fields: shadow rays, direct light, ground and sky; and what share of the
 // fields' light will be seen, at which point of which model. The twin is forest/relight.rs of the CPU's renderer.
 
-const SHININESS: f32 = 24.0;
 const BLACK: f32 = 1e-9;
 const FRAC_1_PI: f32 = 0.31830987;
 const FRAC_1_2_PI: f32 = 0.15915494;
@@ -32,23 +31,25 @@ fn shade(@builtin(workgroup_id) workgroup: vec3<u32>, @builtin(local_invocation_
         line = mirrored(line.direction);
         fragment.triangle &= ~BY_WATER;
     }
-    var seen = seen_along(fragment, line);
+    var seen = seen_along(fragment, line, is_by_water || daylight.has_backdrop != 0u);
     if is_by_water {
         let share = reflectance(line.direction.y);
-        seen.color = seen.color * share + body_color(line.origin, sky_on_water(fragment)) * (1.0 - share);
+        let body = body_color(line.origin, sky_on_water(fragment)) * (1.0 - share);
+        let shine = highlight(2u, vec3<f32>(0.0, 1.0, 0.0), daylight.towards_sun, direction_of(task));
+        seen.color = seen.color * share + body + sun_on(line.origin, shine);
         seen.share *= share;
     }
     lit[task.ray] = seen;
 }
 
-fn seen_along(fragment: Fragment, line: Line) -> Lit {
+fn seen_along(fragment: Fragment, line: Line, has_sky: bool) -> Lit {
     var seen = Lit(vec3<f32>(0.0), fragment.instance, vec3<f32>(0.0), 0u, vec3<f32>(0.0), 0u);
     if fragment.instance == SKY {
-        seen.color = sky_color(line.direction);
+        seen.color = sky_if(has_sky, line.direction);
     } else if fragment.instance == GROUND {
         let point = line.origin + line.direction * fragment.distance_m;
         let cover = cover_at(point);
-        seen.color = ground_color(point, fragment.sky) * cover + sky_color(line.direction) * (1.0 - cover);
+        seen.color = ground_color(point, fragment.sky) * cover + sky_if(has_sky, line.direction) * (1.0 - cover);
     } else {
         seen = plant(fragment, line.direction);
     }
@@ -77,10 +78,8 @@ fn plant(fragment: Fragment, direction: vec3<f32>) -> Lit {
         let cosine = dot(hit.normal, towards);
         if cosine > 0.0 && dot(hit.flat_normal, towards) > 0.0 {
             direct = hit.color * cosine;
-            if is_leaf && daylight.specular > 0.0 {
-                let half_way = unit_or_zero(towards - looking);
-                direct += vec3<f32>(daylight.specular * pow(max(dot(hit.normal, half_way), 0.0), SHININESS));
-            }
+            let kind = select(1u, 0u, is_leaf);
+            direct += vec3<f32>(highlight(kind, hit.normal, towards, looking));
         }
         // The scale of indirect light lies in what fields are multiplied with.
         seen.share = hit.color * daylight.indirect;
@@ -228,6 +227,13 @@ fn cover_at(point: vec3<f32>) -> f32 {
     return min(inward * inward * (3.0 - 2.0 * inward), 1.0);
 }
 
+fn sky_if(has_sky: bool, direction: vec3<f32>) -> vec3<f32> {
+    if !has_sky {
+        return vec3<f32>(0.0);
+    }
+    return sky_color(direction);
+}
+
 fn sky_color(direction: vec3<f32>) -> vec3<f32> {
     if daylight.has_dome != 0u {
         return dome_color(direction);
@@ -257,7 +263,11 @@ fn dome_row(y: i32, left: i32, right: i32, part: f32) -> vec3<f32> {
     return mix(textureLoad(dome, vec2<i32>(left, y), 0).xyz, textureLoad(dome, vec2<i32>(right, y), 0).xyz, part);
 }
 
-fn unit_or_zero(v: vec3<f32>) -> vec3<f32> {
-    let size = length(v);
-    return select(vec3<f32>(0.0), v / size, size > 0.0);
+// Highlight of leaves (0), wood (1) or water (2), as render/src/highlight.rs has it.
+fn highlight(kind: u32, normal: vec3<f32>, towards: vec3<f32>, looking: vec3<f32>) -> f32 {
+    if daylight.highlights[kind] == 0.0 {
+        return 0.0;
+    }
+    let mirrored_sun = normal * (2.0 * dot(normal, towards)) - towards;
+    return daylight.highlights[kind] * pow(max(dot(mirrored_sun, -looking), 0.0), daylight.exponents[kind]);
 }

@@ -49,7 +49,8 @@ struct Daylight {
     white_in_sun: f32,
     // Colours of an even sky as it is drawn.
     horizon: vec3<f32>,
-    specular: f32,
+    // Whether the sky is drawn where it is not mirrored.
+    has_backdrop: u32,
     zenith: vec3<f32>,
     haze_m: f32,
     // Middle of the stand.
@@ -73,6 +74,11 @@ struct Daylight {
     has_dome: u32,
     unused: u32,
     unused_2: vec2<u32>,
+    // Strengths and exponents of the sun's highlights on leaves, wood and water.
+    highlights: vec3<f32>,
+    unused_3: u32,
+    exponents: vec3<f32>,
+    unused_4: u32,
 }
 
 // Rows of squares that are at work.

@@ -3,6 +3,7 @@
 use flb_format::sun::towards_sun;
 use flb_format::{Daylight, Placement};
 use flb_render::forest::{Fragment, Ground, InstanceSearch, Land, ModelSearch, Search, View, Water};
+use flb_render::highlight::{Highlight, Highlights};
 use flb_render::picture::PHYSICAL_EXPOSURE;
 use flb_render::{Indirect, LightQuery, Lighting, Look, RenderError, Shading};
 use flb_testkit::scenes::{hills, physical, stand, view};
@@ -25,6 +26,13 @@ fn even(_: LightQuery, phi: &mut [f32; 3]) {
 }
 
 const LAKE: Water = Water { height_m: 0.35, color: [0.02, 0.06, 0.07] };
+
+/// Of each kind of surface another one, wide enough to be seen everywhere.
+const GLOSSY: Highlights = Highlights {
+    leaf: Highlight { strength: 0.3, exponent: 3.0 },
+    wood: Highlight { strength: 0.2, exponent: 2.0 },
+    water: Highlight { strength: 0.6, exponent: 1.5 },
+};
 
 /// Up to 3 m above the water, and valleys below it.
 fn peaks() -> Ground {
@@ -119,7 +127,9 @@ fn pictures_with_water_are_those_of_the_cpu_for_every_sun_of_one_trace() {
         ];
         for (sun, indirect) in cases {
             let daylight = Lighting::of(Daylight { towards_sun: sun, sun: 1.0, sky: 0.2 });
-            let look = Look { indirect, ..Look::default() };
+            // One of them without a sky behind, which the water mirrors all the same.
+            let has_backdrop = sun[1] > 0.2 || indirect != Indirect::On;
+            let look = Look { indirect, highlights: GLOSSY, has_backdrop, ..Look::default() };
             on_gpu.relight(&mut lights, &daylight, &look).unwrap();
             let expected = forest.relight(&fragments, &daylight, &look, &even, &|_| Ok(())).unwrap();
             assert_alike(&on_gpu.picture().unwrap(), &expected, exposure);
@@ -132,25 +142,30 @@ fn a_planted_difference_of_the_water_is_found() {
     let (meshes, gpu) = (meshes(), gpu());
     let view = shore([112, 70], 1, LAKE, [0.0; 3]);
     let daylight = Lighting::towards(towards_sun(135.0, 35.0));
-    let on_cpu = |water: Water| {
+    let on_cpu = |water: Water, highlights: Highlights| {
         let forest = two(&meshes, Shading::Paper, &plants([0.0; 3]), None).with_water(water).unwrap();
         let fragments = forest.trace(&view, &|_| Ok(())).unwrap();
-        forest.relight(&fragments, &daylight, &Look::default(), &even, &|_| Ok(())).unwrap()
+        let look = Look { highlights, ..Look::default() };
+        forest.relight(&fragments, &daylight, &look, &even, &|_| Ok(())).unwrap()
     };
     let forest = two(&meshes, Shading::Paper, &plants([0.0; 3]), None).with_water(LAKE).unwrap();
     let sources = [LightSource::Even(EVEN), LightSource::Even(EVEN)];
     let mut lights = LightSet::load(&gpu, &sources, plants([0.0; 3]).len()).unwrap();
     let mut on_gpu = GpuForest::new(&gpu, &forest, &lights, settings()).unwrap();
     on_gpu.trace(&view).unwrap();
-    on_gpu.relight(&mut lights, &daylight, &Look::default()).unwrap();
+    let look = Look { highlights: GLOSSY, ..Look::default() };
+    on_gpu.relight(&mut lights, &daylight, &look).unwrap();
     let found = on_gpu.picture().unwrap();
-    let off = |water: Water| difference(&found, &on_cpu(water), 0.0).0;
+    let off = |water: Water| difference(&found, &on_cpu(water, GLOSSY), 0.0).0;
     let same = off(LAKE);
     for other in
         [Water { height_m: LAKE.height_m + 0.02, ..LAKE }, Water { color: [0.03, 0.07, 0.08], ..LAKE }]
     {
         assert!(off(other) > 2.0 * same, "{other:?}: {} for {same}", off(other));
     }
+    let other = Highlights { water: Highlight::MATT, ..GLOSSY };
+    let off = difference(&found, &on_cpu(LAKE, other), 0.0).0;
+    assert!(off > 2.0 * same, "{off} for {same}");
 }
 
 #[test]

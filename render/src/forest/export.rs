@@ -13,11 +13,9 @@ use super::{Forest, Ground, model::Model};
 use crate::{
     Surfaces,
     backdrop::{HORIZON, ZENITH},
-    paper, sun,
+    sun,
 };
 
-/// Exponent of the leaves' highlight in the `paper` shading.
-pub const SHININESS: f32 = paper::SHININESS;
 /// Mean colour up to which a material counts as black, so that its surface is the mean one.
 pub const BLACK: f32 = color::BLACK.x;
 /// Brightness of plants that hide the sky from the ground, as a share of the sky's.

@@ -97,6 +97,41 @@ impl Forest<'_> {
         let tracer = Tracer::new(self, camera);
         picture(view, squares::pixels(view, progress, |_, area| lit.square(&camera, &tracer.square(area)))?)
     }
+
+    /// How much of each pixel is covered by plants, water and ground that has not faded into the haze, 0 to 1, in all
+    /// bands: the alpha of a picture without a backdrop ([`Look::has_backdrop`]).
+    ///
+    /// # Errors
+    /// As [`Forest::render`].
+    pub fn coverage(&self, view: &View, lighting: &Lighting, look: &Look) -> Result<Picture, RenderError> {
+        let camera = Camera::new(self, view)?;
+        let lit = Lit::new(self, &camera, lighting, look, &|_, _| {})?;
+        let tracer = Tracer::new(self, camera);
+        let covered = |_, area| {
+            let mean = |sample: &Fragment, ray: &WorldRay| Vec3::splat(lit.covered(sample, ray));
+            means(&camera, &tracer.square(area), |fragment, _, ray| mean(fragment, ray))
+        };
+        picture(view, squares::pixels(view, &|_| Ok(()), covered)?)
+    }
+}
+
+/// The means of a square's pixels, `[y][x]`, not below 0, of what `color` gives each of their rays; it gets what water
+/// sends back, too.
+fn means(
+    camera: &Camera,
+    square: &Square,
+    color: impl Fn(&Fragment, &[Fragment], &WorldRay) -> Vec3,
+) -> Vec<[f32; 3]> {
+    let samples = camera.view.samples;
+    let pixels = square.fragments.chunks_exact(samples as usize);
+    let mean = |(pixel, (x, y)): (&[Fragment], (u32, u32))| {
+        let mut sum = Vec3::ZERO;
+        for (sample, fragment) in (0..).zip(pixel) {
+            sum += color(fragment, &square.mirrored, &camera.ray(x, y, sample));
+        }
+        not_below_0((sum / samples as f32).to_array())
+    };
+    pixels.zip(square.area.pixels()).map(mean).collect()
 }
 
 pub(crate) fn picture(view: &View, pixels: Vec<[f32; 3]>) -> Result<Picture, RenderError> {
@@ -127,16 +162,16 @@ impl<'a> Lit<'a> {
 
     /// The means of a square's pixels, `[y][x]`, not below 0.
     fn square(&self, camera: &Camera, square: &Square) -> Vec<[f32; 3]> {
-        let samples = camera.view.samples;
-        let pixels = square.fragments.chunks_exact(samples as usize);
-        let color = |(pixel, (x, y)): (&[Fragment], (u32, u32))| {
-            let mut sum = Vec3::ZERO;
-            for (sample, fragment) in (0..).zip(pixel) {
-                sum += self.seen(fragment, &square.mirrored, &camera.ray(x, y, sample));
-            }
-            not_below_0((sum / samples as f32).to_array())
-        };
-        pixels.zip(square.area.pixels()).map(color).collect()
+        means(camera, square, |fragment, mirrored, ray| self.seen(fragment, mirrored, ray))
+    }
+
+    /// How much a ray from the camera is stopped.
+    fn covered(&self, fragment: &Fragment, ray: &WorldRay) -> f32 {
+        match fragment {
+            Fragment::Sky => 0.0,
+            Fragment::Ground { distance_m, .. } => self.cover(ray.origin + ray.direction * *distance_m),
+            Fragment::Plant { .. } | Fragment::Water { .. } => 1.0,
+        }
     }
 
     /// Linear colour that a ray from the camera sees; `mirrored` is what water sends back.
@@ -146,7 +181,9 @@ impl<'a> Lit<'a> {
                 let back = water.mirrored(ray, *distance_m);
                 let share = reflectance(back.direction.y as f32);
                 let image = mirrored_at.get(*mirrored as usize).unwrap_or(&Fragment::Sky);
-                self.color(image, &back) * share + self.body(water, back.origin, *sky) * (1.0 - share)
+                let body = self.body(water, back.origin, *sky) * (1.0 - share);
+                let image = self.color_before(image, &back, || self.sky_color(&back));
+                image * share + body + self.highlight(back.origin, ray)
             }
             _ => self.color(fragment, ray),
         }
@@ -159,19 +196,37 @@ impl<'a> Lit<'a> {
         water.color() * (sun + self.sky_on(sky) * INTO_FROM_SKY)
     }
 
+    /// The sun's highlight on water, of a ray to a point of it.
+    fn highlight(&self, point: DVec3, ray: &WorldRay) -> Vec3 {
+        let highlight = self.forest.units.highlights(self.look).water;
+        if highlight.strength == 0.0 {
+            return Vec3::ZERO;
+        }
+        let sun = self.sunlight().towards;
+        self.sun_on(point, highlight.towards(Vec3::Y, sun, ray.direction.as_vec3()))
+    }
+
     /// Linear colour of anything but water along a ray.
     pub(crate) fn color(&self, fragment: &Fragment, ray: &WorldRay) -> Vec3 {
+        match self.look.has_backdrop {
+            true => self.color_before(fragment, ray, || self.sky_color(ray)),
+            false => self.color_before(fragment, ray, || Vec3::ZERO),
+        }
+    }
+
+    /// The same before a sky.
+    fn color_before(&self, fragment: &Fragment, ray: &WorldRay, sky_color: impl Fn() -> Vec3) -> Vec3 {
         match (fragment, &self.forest.soil) {
             (Fragment::Plant { instance, found }, _) => self.plant(*instance, found, ray),
             (Fragment::Ground { distance_m, sky }, Some(soil)) => {
                 let point = ray.origin + ray.direction * *distance_m;
                 let cover = self.cover(point);
                 if cover == 0.0 {
-                    return self.sky_color(ray);
+                    return sky_color();
                 }
-                self.ground(soil, point, *sky) * cover + self.sky_color(ray) * (1.0 - cover)
+                self.ground(soil, point, *sky) * cover + sky_color() * (1.0 - cover)
             }
-            _ => self.sky_color(ray),
+            _ => sky_color(),
         }
     }
 

@@ -4,7 +4,8 @@ use flb_scene::scene::Heights;
 use glam::{DMat3, Vec3};
 
 use super::*;
-use crate::tests::{Setup, add_quad, grown, image, material, textured, wall};
+use crate::highlight::Highlights;
+use crate::tests::{Setup, add_quad, glossy, grown, image, material, textured, wall};
 use crate::{Indirect, LightQuery, Picture, Surfaces};
 use flb_fixtures::PlantKind;
 use flb_scene::mesh::{AlphaMode, Wrap};
@@ -36,7 +37,13 @@ fn view(target: [f64; 3]) -> View {
 
 /// The sun alone, from behind the camera, and no sky.
 fn plain() -> Setup {
-    Setup { sun: [0.0, 1e-4, 1.0], specular: 0.0, indirect: Indirect::Off, sky: false, ..Setup::default() }
+    Setup {
+        sun: [0.0, 1e-4, 1.0],
+        highlights: Highlights::MATT,
+        indirect: Indirect::Off,
+        sky: false,
+        ..Setup::default()
+    }
 }
 
 fn dark(_: LightQuery, phi: &mut [f32; 3]) {
@@ -80,7 +87,7 @@ fn a_turned_scaled_and_moved_instance_looks_as_a_mesh_with_all_that_done_to_it()
         *normal = (rotation * Vec3::from(*normal).as_dvec3()).as_vec3().to_array();
     }
     let view = View { width: 64, height: 64, ..view([30.0, 5.0, -7.0]) };
-    let daylight = Setup { sun: [0.5, 0.8, 0.4], specular: 0.1, ..plain() };
+    let daylight = Setup { sun: [0.5, 0.8, 0.4], highlights: glossy(0.1), ..plain() };
     let placed = shoot(&forest(&mesh, &[instance], None), &view, &daylight);
     let baked_in = shoot(&forest(&moved, &[at_m([0.0; 3])], None), &view, &daylight);
     // Rays that graze an edge may fall on either side of it.
@@ -386,7 +393,12 @@ fn a_scene_that_cannot_be_is_refused_with_what_was_found() {
     assert!(lit(Setup { sun: [0.0; 3], ..plain() }, 0.0).contains("`towards_sun` is [0.0, 0.0, 0.0]"));
     assert!(lit(Setup { ambient: -1.0, ..plain() }, 0.0).contains("`sky` is -1"));
     assert!(lit(Setup { sun_strength: -1.0, ..plain() }, 0.0).contains("`sun` is -1"));
-    assert!(lit(Setup { specular: 1e4, ..plain() }, 0.0).contains("`specular` is 10000"));
+    let bright = lit(Setup { highlights: glossy(1e4), ..plain() }, 0.0);
+    assert!(bright.contains("`highlight of leaves` is 10000, expected 0..=1000"), "{bright}");
+    let mut flat = glossy(0.1);
+    flat.water.exponent = 0.0;
+    let flat = lit(Setup { highlights: flat, ..plain() }, 0.0);
+    assert!(flat.contains("`highlight of water` is 0, expected 0.0"), "{flat}");
     assert!(lit(Setup { indirect_scale: 1e7, ..plain() }, 0.0).contains("`indirect_scale` is 10000000"));
     let infinite = lit(Setup { indirect: Indirect::Only, ..plain() }, f32::INFINITY);
     assert!(infinite.contains("band R is inf, expected a finite value"), "{infinite}");

@@ -1,6 +1,6 @@
 use std::f32::consts::{FRAC_1_PI, FRAC_1_SQRT_2, PI};
 
-use crate::tests::{Setup, assert_close, at, dark, material, plain, reference, render, wall};
+use crate::tests::{Setup, assert_close, at, dark, glossy, material, plain, reference, render, wall};
 use crate::*;
 use flb_scene::MaterialClass;
 
@@ -79,8 +79,9 @@ fn a_solid_takes_a_quarter_of_the_fluence_in_front_of_the_side_that_is_seen() {
 fn scale_and_highlight_belong_to_the_paper() {
     let mesh = wall(material("wall", [0.8, 0.5, 0.2]), vec![], 1.0);
     let light = |_: [f32; 3], out: &mut [f32; 3]| *out = [1.0; 3];
-    let picture = |indirect_scale: f32, specular: f32| {
-        let settings = Setup { indirect: Indirect::On, indirect_scale, specular, ..physical() };
+    let picture = |indirect_scale: f32, strength: f32| {
+        let highlights = glossy(strength);
+        let settings = Setup { indirect: Indirect::On, indirect_scale, highlights, ..physical() };
         render(&mesh, &[MaterialClass::Leaf], &light, &settings).unwrap()
     };
     assert_eq!(picture(0.5, 0.0), picture(2.0, 1.0));

@@ -96,3 +96,41 @@ fn a_difference_has_no_sign_and_needs_one_size() {
     let error = a.difference(&wider, 10.0).expect_err("two sizes").to_string();
     assert!(error.contains("2 x 1") && error.contains("expected 1 x 1"), "{error}");
 }
+
+#[test]
+fn layers_are_named_channels_of_one_exr() {
+    let (light, direct, cover) = (ramp(7, 5, 0.37), ramp(7, 5, 0.5), ramp(7, 5, 0.01));
+    let exr = exr_of(&[("", &light), ("direct", &direct)], Some(&cover)).unwrap();
+    let read = exr::prelude::read().no_deep_data().largest_resolution_level().all_channels();
+    let read = read.first_valid_layer().all_attributes().from_buffered(Cursor::new(exr)).unwrap();
+    let channels = &read.layer_data.channel_data.list;
+    let names: Vec<String> = channels.iter().map(|channel| channel.name.to_string()).collect();
+    assert_eq!(names, ["A", "B", "G", "R", "direct.B", "direct.G", "direct.R"]);
+    for (channel, (picture, band)) in channels.iter().zip([
+        (&cover, 0),
+        (&light, 2),
+        (&light, 1),
+        (&light, 0),
+        (&direct, 2),
+        (&direct, 1),
+        (&direct, 0),
+    ]) {
+        let values: Vec<f32> = channel.sample_data.values_as_f32().collect();
+        assert_eq!(values, picture.rgb.iter().skip(band).step_by(3).copied().collect::<Vec<f32>>());
+    }
+    let error = exr_of(&[("", &light), ("x", &ramp(5, 7, 1.0))], None).unwrap_err().to_string();
+    assert!(error.contains("5 x 7 pixels, expected 7 x 5"), "{error}");
+}
+
+#[test]
+fn a_png_with_alpha_has_the_colour_of_what_covers() {
+    let cover = Picture { width: 3, height: 1, rgb: [[0.0; 3], [0.5; 3], [1.0; 3]].concat() };
+    let covered = [[0.0; 3], [0.1, 0.2, 0.3], [0.2, 0.4, 0.6]];
+    let png = Picture { rgb: covered.concat(), ..cover }.to_png_with_alpha(1.0, &cover).unwrap();
+    let mut reader = png::Decoder::new(Cursor::new(png)).read_info().unwrap();
+    let mut bytes = vec![0; reader.output_buffer_size().unwrap()];
+    reader.next_frame(&mut bytes).unwrap();
+    let rgb = Picture { width: 1, height: 1, rgb: vec![0.2, 0.4, 0.6] }.tone_mapped(1.0);
+    let of = |alpha: u8| [rgb[0], rgb[1], rgb[2], alpha];
+    assert_eq!(bytes, [[0; 4], of(128), of(255)].concat());
+}

@@ -11,6 +11,7 @@ use toml::Spanned;
 
 use super::camera::RawCamera;
 use super::ground::RawGround;
+use super::highlight::RawHighlight;
 use super::parts::{Parts, Size};
 use super::reading::{Checked, Reading};
 use super::sky::RawSky;
@@ -50,6 +51,8 @@ struct Raw {
     camera: Option<Spanned<RawCamera>>,
     ground: Option<Spanned<RawGround>>,
     water: Option<RawWater>,
+    #[serde(default)]
+    highlight: RawHighlight,
     #[serde(default)]
     species: Vec<Spanned<RawSpecies>>,
     instance: Option<Vec<Spanned<RawInstance>>>,
@@ -200,6 +203,7 @@ impl Reading<'_> {
             sky,
             suns,
             sunlight,
+            highlight: self.highlight(raw.highlight)?,
             camera: raw.camera.map(|camera| self.camera(camera)).transpose()?,
             ground,
             water,

@@ -71,6 +71,24 @@ fn a_sun_has_an_irradiance_and_others_beside_it() {
 }
 
 #[test]
+fn highlights_have_a_strength_and_an_exponent() {
+    let of = |line: &str| parse(&format!("{line}\n{SCENE}")).map(|scene| scene.highlight);
+    assert_eq!(of("").expect("a scene"), HighlightChoice::default());
+    let both = of("highlight = { leaf = [0.1, 8], water = [2, 500.5] }").expect("a scene");
+    assert_eq!(both, HighlightChoice { leaf: Some([0.1, 8.0]), wood: None, water: Some([2.0, 500.5]) });
+    let refused = |line: &str| of(line).expect_err(line).to_string();
+    for (line, expected) in [
+        ("highlight.leaf = [-1, 8]", "line 1, strength of highlight.leaf is -1, expected 0 to 1000"),
+        ("highlight.wood = [1, 0]", "exponent of highlight.wood is 0, expected 0.01 to 10000"),
+        ("highlight.water = [nan, 1]", "strength of highlight.water is NaN"),
+        ("highlight.water = 1", "line 1"),
+        ("highlight.bark = [1, 1]", "unknown field `bark`"),
+    ] {
+        assert!(refused(line).contains(expected), "{line}: {}", refused(line));
+    }
+}
+
+#[test]
 fn what_a_scene_does_not_say_has_a_default() {
     let scene = parse(SCENE).expect("it is sound");
     assert_eq!((scene.bands, scene.ambient, scene.suns, scene.camera), (None, None, Suns::Sky, None));

@@ -8,7 +8,10 @@ use flb_scene::scene::{AddedSun, Sunlight};
 use crate::backend::GpuCount;
 use crate::stream::{Painter, Shot, Show};
 use crate::tests::{SIZE, SUN_DEG, apart, look, stand_of, stand_of_paper};
-use crate::{Backend, FrameSettings, SceneFrame, SceneLook, SceneRenderer, Stage, StageSky, frames};
+use crate::{
+    Backend, FrameSettings, LookSettings, SceneFrame, SceneLook, SceneRenderer, SceneShow, Stage, StageSky,
+    frames,
+};
 
 const COLOR: [f32; 3] = [2.0, 1.0, 0.25];
 const OTHER: AddedSun = AddedSun { sun_deg: [250.0, 15.0], irradiance: [0.125, 0.25, 0.5] };
@@ -109,6 +112,55 @@ fn streamed_light_of_several_suns_is_that_of_whole_files() {
         assert!(streamed.progress.is_final);
         assert!(apart(&found, &streamed.picture) < 1e-5, "{}", apart(&found, &streamed.picture));
     }
+}
+
+#[test]
+fn layers_of_a_frame_add_up_and_alpha_takes_the_sky_away() {
+    for stage in &stands()[..2] {
+        let mut look = look(stage, StageSky::Even);
+        look.sunlight = Sunlight { irradiance: COLOR, added: vec![OTHER] };
+        let shows = [SceneShow::Light, SceneShow::Direct, SceneShow::Indirect, SceneShow::Base(1)];
+        let layers = |shows: &[SceneShow]| {
+            let settings = LookSettings { shows: shows.to_vec(), samples: 1, ..LookSettings::default() };
+            let mut made = SceneLook::new(stage, &settings, StageSky::Even).expect("a look");
+            (made.size, made.sunlight) = (SIZE, look.sunlight.clone());
+            let look = made;
+            let frame = frame(stage);
+            let renderer = SceneRenderer::new(stage, look, &[frame], Backend::Cpu, &Unobserved);
+            renderer.expect("it is read").layers(&frame, &Unobserved).expect("pictures")
+        };
+        let with_sky = layers(&shows);
+        assert_eq!(with_sky.iter().map(|(show, _)| *show).collect::<Vec<_>>(), shows);
+        let light = |layers: &[(SceneShow, Picture)]| sum(&layers[1].1, &layers[2].1);
+        assert!(apart(&with_sky[0].1, &light(&with_sky)) < 1e-5);
+        assert!(apart(&with_sky[3].1, &with_sky[2].1) > 0.01);
+        let alone = layers(&[&shows[..], &[SceneShow::Alpha]].concat());
+        assert!(apart(&alone[0].1, &light(&alone)) < 1e-5);
+        let alpha = &alone[4].1.rgb;
+        let uncovered = alpha.iter().zip(&alone[0].1.rgb).filter(|(alpha, _)| **alpha == 0.0);
+        assert!(uncovered.clone().count() > 20 && uncovered.clone().all(|(_, light)| *light == 0.0));
+        assert!(alpha.iter().filter(|alpha| **alpha == 1.0).count() > 200);
+        // The base is light on plants alone, whatever the sky.
+        assert_eq!(apart(&alone[3].1, &with_sky[3].1), 0.0);
+    }
+}
+
+#[test]
+fn what_cannot_be_shown_is_refused() {
+    let stage = stand_of(&SunBasis::Lattice18);
+    let refused = |shows: &[SceneShow]| {
+        let settings = LookSettings { shows: shows.to_vec(), ..LookSettings::default() };
+        SceneLook::new(&stage, &settings, StageSky::Even).expect_err("it is refused").to_string()
+    };
+    assert!(refused(&[]).starts_with("nothing is to be shown, expected each of light, direct"));
+    assert!(refused(&[SceneShow::Alpha, SceneShow::Light, SceneShow::Alpha]).starts_with("alpha twice"));
+    assert_eq!(refused(&[SceneShow::Base(19)]), "base 19 is to be shown: the species have bases 0 to 18");
+    assert!(refused(&[SceneShow::Global]).contains("no scene light"));
+    let mut look = look(&stage, StageSky::Even);
+    look.shows = vec![SceneShow::Light, SceneShow::Alpha];
+    let on_gpu = Backend::Gpu(GpuCount::Exactly(1));
+    let error = SceneRenderer::new(&stage, look, &[frame(&stage)], on_gpu, &Unobserved).err();
+    assert!(error.expect("it is refused").to_string().contains("on the CPU alone"));
 }
 
 #[test]

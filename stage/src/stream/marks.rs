@@ -13,10 +13,8 @@ const UNLIT: [f32; 3] = [0.1, 0.1, 0.3];
 /// Light of one base, per band.
 pub(crate) fn base(species: &ResidentSpecies, base: u16, point_model_m: [f32; 3]) -> [f32; 3] {
     let mut light = [0.0; 3];
-    if let Some(base) = species.base(usize::from(base)) {
-        let bands = species.bands().min(3);
-        base.sample(species.grid().lattice_from_model(point_model_m.map(f64::from)), &mut light[..bands]);
-    }
+    let bands = species.bands().min(3);
+    species.base_at(usize::from(base), point_model_m, &mut light[..bands]);
     light.map(|value| value.max(0.0))
 }
 

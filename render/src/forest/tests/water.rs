@@ -331,3 +331,39 @@ fn water_that_cannot_be_and_an_eye_below_it_are_refused() {
         assert!(message.starts_with(&expected), "{message} for {expected}");
     }
 }
+
+#[test]
+fn a_picture_without_a_backdrop_lacks_what_its_cover_leaves_of_the_sky_and_mirrors_it_all_the_same() {
+    let meshes = [grown(PlantKind::Oak, 2_000), grown(PlantKind::Shrub, 800)];
+    let level = Ground {
+        fades_at_m: Some(60.0),
+        ..Ground { land: Land::Plane { height_m: 0.0 }, color: [0.2; 3], fades_at_m: None }
+    };
+    for (forest, view) in [
+        (over(grown_stand(&meshes, None), 0.2, [0.1; 3]), shore()),
+        (grown_stand(&meshes, Some(level)), View { samples: 2, ..shore() }),
+    ] {
+        let look = |backdrop| Setup { backdrop, ..afternoon() };
+        let [with, without] = [true, false].map(|backdrop| lit(&forest, &view, &look(backdrop)));
+        let cover = forest.coverage(&view, &look(false).lighting(), &look(false).look()).unwrap();
+        let mut seen = [0; 3];
+        for ((with, without), cover) in with.rgb.chunks(3).zip(without.rgb.chunks(3)).zip(cover.rgb.chunks(3))
+        {
+            assert!(cover[0] == cover[1] && cover[1] == cover[2] && (0.0..=1.0).contains(&cover[0]));
+            let is_same = with.iter().zip(without).all(|(a, b)| (a - b).abs() < 1e-6);
+            match cover[0] {
+                0.0 => assert!(without == [0.0; 3] && with[2] > 0.0),
+                1.0 => assert!(is_same, "{with:?} {without:?}"),
+                _ => assert!(with.iter().zip(without).all(|(a, b)| a > b), "{with:?} {without:?} {cover:?}"),
+            }
+            seen[if cover[0] == 0.0 {
+                0
+            } else if cover[0] == 1.0 {
+                1
+            } else {
+                2
+            }] += 1;
+        }
+        assert!(seen[0] > 20 && seen[1] > 20 && (view.samples == 1 || seen[2] > 20), "{seen:?}");
+    }
+}
