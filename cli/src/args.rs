@@ -14,6 +14,7 @@ mod render;
 mod scatter;
 mod scene;
 mod scene_light;
+mod search;
 mod sky;
 mod stream;
 mod sunlight;

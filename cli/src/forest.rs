@@ -101,6 +101,7 @@ pub(crate) fn run(args: &RenderArgs) -> Result<u8, Failure> {
         highlight: args.highlight.choice(),
         look: Look { indirect_scale: args.indirect_scale.unwrap_or(default.indirect_scale), ..default },
         shows: args.show.clone(),
+        search: args.find.unwrap_or_default(),
     };
     let look = SceneLook::new(&stage, &settings, sky).map_err(|error| at_scene(error.into()))?;
     let exposure = args.exposure.unwrap_or(match args.show.contains(&SceneShow::Global) {

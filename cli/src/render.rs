@@ -71,6 +71,9 @@ pub(crate) fn run(args: &RenderArgs) -> Result<u8, Failure> {
             "--backend is for scenes (.toml); a single plant is drawn on the CPU",
         ));
     }
+    if args.find.is_some() {
+        return Err(Failure::new(USAGE, "--find is for scenes (.toml)"));
+    }
     if args.gpus.is_some() {
         return Err(Failure::new(USAGE, "--gpus is for scenes (.toml); a single plant is drawn on the CPU"));
     }

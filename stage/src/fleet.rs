@@ -87,7 +87,7 @@ impl Fleet {
             let plants = forest.placements().len();
             let load = |_: &Progress<'_>| LightSet::load_for_skies(gpu, &sources, &beams, plants);
             let lights = Step::Load.run(observer, &gpu.name, load)?;
-            let settings = ForestSettings::default();
+            let settings = ForestSettings { search: look.search, ..ForestSettings::default() };
             let send = |_: &Progress<'_>| GpuForest::new(gpu, forest, &lights, settings);
             let sent = Step::Prepare.run(observer, &gpu.name, send)?;
             members.push((sent, lights));

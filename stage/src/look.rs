@@ -1,6 +1,6 @@
 //! What is the same in all frames of a scene, and the light of each.
 
-use flb_render::forest::View;
+use flb_render::forest::{Search, View};
 use flb_render::shading::Units;
 use flb_render::{Lighting, Look};
 use flb_scene::scene::{AddedSun, HighlightChoice, Sunlight};
@@ -33,6 +33,8 @@ pub struct LookSettings {
     pub highlight: HighlightChoice,
     /// Contents of the frames, one layer each; not none.
     pub shows: Vec<SceneShow>,
+    /// Search structures for what rays meet; they change no bit of a picture.
+    pub search: Search,
 }
 
 impl Default for LookSettings {
@@ -47,6 +49,7 @@ impl Default for LookSettings {
             look: Look::default(),
             highlight: HighlightChoice::default(),
             shows: vec![SceneShow::Light],
+            search: Search::default(),
         }
     }
 }
@@ -64,6 +67,8 @@ pub struct SceneLook {
     pub look: Look,
     /// Contents of the frames, one layer each.
     pub shows: Vec<SceneShow>,
+    /// Search structures for what rays meet.
+    pub search: Search,
     /// The sky.
     pub sky: StageSky,
     /// Light of the sun of a frame, and further suns.
@@ -105,6 +110,7 @@ impl SceneLook {
             ambient: asked_ambient.unwrap_or(stage.default_ambient()),
             look: shows.look(Look { highlights, ..settings.look }),
             shows: settings.shows.clone(),
+            search: settings.search,
             sky,
             sunlight: Sunlight {
                 irradiance: settings.irradiance.unwrap_or(scene.sunlight.irradiance),

@@ -3,7 +3,7 @@
 use std::sync::Arc;
 
 use flb_format::progress::Progress;
-use flb_render::forest::{Forest, Fragments, Search, View};
+use flb_render::forest::{Forest, Fragments, View};
 use flb_render::{LightQuery, Lighting, Picture};
 use flb_runtime::SpeciesLight;
 use flb_runtime::light::{LightCursors, SkyBeams};
@@ -80,7 +80,7 @@ impl<'s> SceneRenderer<'s> {
             (true, Backend::Gpu(_)) => return Err(StageError::OnCpuAlone),
             (true, Backend::Cpu | Backend::Auto(_)) => Backend::Cpu,
         };
-        let forest = Step::Prepare.run(observer, "", |_| stage.forest(Search::default()))?;
+        let forest = Step::Prepare.run(observer, "", |_| stage.forest(look.search))?;
         let on = match Fleet::send(backend, stage, &forest, &look, observer)? {
             Some(fleet) => On::Gpus(Box::new(fleet)),
             None => {

@@ -7,7 +7,9 @@ use flb_files::Existing;
 use flb_scene::scene::SunHours;
 
 use super::gpu_count::gpu_count;
+use super::search::search;
 use super::values::{angle_pair, existing, exposure, size};
+use flb_render::forest::Search;
 use flb_stage::SceneShow;
 use flb_stage::backend::GpuCount;
 
@@ -104,6 +106,10 @@ pub(crate) struct RenderArgs {
     /// after tile; one that is lost leaves its tiles to the others [default: 1]
     #[arg(long, value_name = "N|all", value_parser = gpu_count)]
     pub gpus: Option<GpuCount>,
+    /// How all rays find triangles in a scene's plants (`model`), and how rays of the camera and to the sun find plants:
+    /// each `=grid`, as in the papers, or `=tree`. No pixel changes [default: model=tree,camera=grid,sun=tree]
+    #[arg(long, value_name = "RAYS=grid|tree,...", value_parser = search)]
+    pub find: Option<Search>,
     /// Exposure, stops [default: 0; `physical`: 3]
     #[arg(long, allow_hyphen_values = true, value_name = "EV", value_parser = exposure)]
     pub exposure: Option<f32>,

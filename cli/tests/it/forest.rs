@@ -137,6 +137,22 @@ const MEAN_CHANGE: f64 = 6.0;
 const CHANGE_OF_A_DAY: u8 = 2 * MAX_CHANGE;
 
 #[test]
+fn any_way_to_find_what_rays_meet_makes_the_same_picture() {
+    let folder = baked(&PAPER);
+    scatter(&folder);
+    let render = ["render", "stand.toml", "--size", "48x27", "--sun", "120,25", "--force", "-o", "a.png"];
+    let picture = |find: &[&str]| {
+        folder.flb_with(&render, find).expect_code(0);
+        folder.read("a.png")
+    };
+    let default = picture(&[]);
+    for find in ["model=grid,camera=grid,sun=grid", "model=tree,camera=tree,sun=tree", "sun=grid"] {
+        assert_eq!(default, picture(&["--find", find]), "{find}");
+    }
+    folder.flb_with(&render, &["--find", "model=kd"]).expect_code(2).says(&["expected some of model"]);
+}
+
+#[test]
 fn layers_of_a_scene_and_of_a_plant_are_in_one_exr_or_in_a_png_with_alpha() {
     let folder = baked(&PAPER);
     scatter(&folder);
