@@ -106,8 +106,9 @@ pub(crate) struct RenderArgs {
     /// after tile; one that is lost leaves its tiles to the others [default: 1]
     #[arg(long, value_name = "N|all", value_parser = gpu_count)]
     pub gpus: Option<GpuCount>,
-    /// How all rays find triangles in a scene's plants (`model`), and how rays of the camera and to the sun find plants:
-    /// each `=grid`, as in the papers, or `=tree`. No pixel changes [default: model=tree,camera=grid,sun=tree]
+    /// How all rays find triangles in a scene's plants (`model`), and how rays of the camera and to the sun find
+    /// plants: each `=grid`, as in the papers, or `=tree`. No pixel changes [default:
+    /// model=tree,camera=grid,sun=tree]
     #[arg(long, value_name = "RAYS=grid|tree,...", value_parser = search)]
     pub find: Option<Search>,
     /// Exposure, stops [default: 0; `physical`: 3]
