@@ -432,6 +432,7 @@ impl From<StageError> for Failure {
             StageError::NoGpuBuilt | StageError::Unlit | StageError::Libraries(_) => {
                 Failure::new(UNSUPPORTED, error)
             }
+            StageError::LayerPixels { .. } => Failure::new(LIMIT, error),
             StageError::Scene(_)
             | StageError::NoMesh { .. }
             | StageError::NoSpecies { .. }

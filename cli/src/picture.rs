@@ -73,7 +73,6 @@ pub(crate) fn check_layers(output: &Path, format: PictureFormat, shows: &[SceneS
         PictureFormat::Png if pictures != 1 => refuse(
             "--show: a .png holds one of light, direct, indirect, base:N and global, with or without alpha; an .exr holds all",
         ),
-        PictureFormat::Exr if pictures == 0 && shows.len() > 1 => refuse("--show: alpha once"),
         _ => Ok(()),
     }
 }

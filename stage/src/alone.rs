@@ -82,17 +82,17 @@ impl<'p> PlantRenderer<'p> {
         let ClassedMesh { mesh, classes } = mesh;
         let plant = Species { mesh, classes, shading: Shading::of(light.meta()) };
         let shows = Shows(&look.shows);
-        shows.check(Some(light.library.container().species()[light.species].bases.len()))?;
+        let Portrait { width, height, .. } = look.portrait;
+        shows.check(light.library.container().species()[light.species].bases.len(), [width, height])?;
         if look.shows.contains(&SceneShow::Global) {
             return Err(StageError::NoSceneLight);
         }
         let look = PlantLook { look: shows.look(look.look), ..look.clone() };
-        let light = match !look.is_path_traced && Shows(&look.shows).has_fields(&look.look) {
-            false => None,
-            true if Shows(&look.shows).has_bases() => {
-                Some(SpeciesLight::load(&light.library, light.species)?)
-            }
-            true => {
+        let has_light = !look.is_path_traced && Shows(&look.shows).has_fields(&look.look);
+        let light = match (Shows(&look.shows).has_bases(), has_light) {
+            (true, _) => Some(SpeciesLight::load(&light.library, light.species)?),
+            (false, false) => None,
+            (false, true) => {
                 let suns = suns_deg.iter().chain(look.sunlight.added.iter().map(|one| &one.sun_deg));
                 let lit = suns.filter(|sun| look.sun_strength(Some(**sun)) > 0.0);
                 let suns = lit.map(|[azimuth, elevation]| towards_sun(*azimuth, *elevation));

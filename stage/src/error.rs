@@ -100,6 +100,14 @@ pub enum StageError {
         "{0} is to be shown, expected each of light, direct, indirect, base:N, global and alpha once at most"
     )]
     Shows(String),
+    /// Layers that are too large together.
+    #[error("{found} pixels in all layers together, expected at most {limit}")]
+    LayerPixels {
+        /// Pixels of all layers.
+        found: u64,
+        /// Most pixels of all layers.
+        limit: u64,
+    },
     /// A base that no species has.
     #[error("base {base} is to be shown: the species have bases 0 to {last}")]
     NoBase {

@@ -85,17 +85,18 @@ impl SceneLook {
     ///
     /// # Errors
     /// [`StageError::UnevenSkyOverPaper`], [`StageError::Sky`], [`StageError::HighlightOfPhysical`];
-    /// [`StageError::Shows`], [`StageError::NoBase`]; [`StageError::NoSceneLight`] where that is to be shown
-    /// and there is none.
+    /// [`StageError::Shows`], [`StageError::NoBase`], [`StageError::LayerPixels`]; [`StageError::NoSceneLight`] where
+    /// that is to be shown and there is none.
     pub fn new(stage: &Stage, settings: &LookSettings, sky: StageSky) -> Result<SceneLook, StageError> {
-        let shows = Shows(&settings.shows);
-        shows.check(Some(stage.plants.iter().map(ScenePlant::bases).max().unwrap_or(0)))?;
-        if settings.shows.contains(&SceneShow::Global) && stage.scene_light.is_none() {
-            return Err(StageError::NoSceneLight);
-        }
         let scene = &stage.scene;
         let height = scene.camera.as_ref().map_or(512, |camera| camera.height_px);
         let wide = [(u64::from(height) * 16 / 9).clamp(1, u64::from(u32::MAX)) as u32, height];
+        let size = settings.size.unwrap_or(wide);
+        let shows = Shows(&settings.shows);
+        shows.check(stage.plants.iter().map(ScenePlant::bases).max().unwrap_or(0), size)?;
+        if settings.shows.contains(&SceneShow::Global) && stage.scene_light.is_none() {
+            return Err(StageError::NoSceneLight);
+        }
         let asked_ambient = settings.ambient.or(scene.ambient.map(|ambient| ambient as f32));
         let units = stage.units();
         sky.over([0.0, 1.0, 0.0], None, units)?;
@@ -105,7 +106,7 @@ impl SceneLook {
         }
         let highlights = settings.look.highlights.with(&highlight);
         Ok(SceneLook {
-            size: settings.size.unwrap_or(wide),
+            size,
             samples: settings.samples,
             ambient: asked_ambient.unwrap_or(stage.default_ambient()),
             look: shows.look(Look { highlights, ..settings.look }),

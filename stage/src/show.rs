@@ -3,6 +3,7 @@
 use std::fmt;
 use std::str::FromStr;
 
+use flb_render::settings::MAX_PIXELS;
 use flb_render::{Indirect, Look};
 
 use crate::StageError;
@@ -103,8 +104,9 @@ impl Shows<'_> {
         self.0.iter().any(|show| !show.is_light())
     }
 
-    /// Refuses an empty list, contents that are there twice, and bases that no species of so many has.
-    pub(crate) fn check(&self, bases: Option<usize>) -> Result<(), StageError> {
+    /// Refuses an empty list, contents that are there twice, bases that species of at most so many do not have, and more
+    /// layers of a size than memory is promised for.
+    pub(crate) fn check(&self, bases: usize, size: [u32; 2]) -> Result<(), StageError> {
         if self.0.is_empty() {
             return Err(StageError::Shows("nothing".to_owned()));
         }
@@ -112,12 +114,16 @@ impl Shows<'_> {
             if self.0[..at].contains(show) {
                 return Err(StageError::Shows(format!("{show} twice")));
             }
-            if let (SceneShow::Base(base), Some(count)) = (show, bases)
-                && usize::from(*base) >= count
+            if let SceneShow::Base(base) = show
+                && usize::from(*base) >= bases
             {
-                return Err(StageError::NoBase { base: *base, last: count.saturating_sub(1) });
+                return Err(StageError::NoBase { base: *base, last: bases.saturating_sub(1) });
             }
         }
-        Ok(())
+        let pixels = size.into_iter().map(u64::from).product::<u64>().saturating_mul(self.0.len() as u64);
+        match self.0.len() > 1 && pixels > MAX_PIXELS {
+            true => Err(StageError::LayerPixels { found: pixels, limit: MAX_PIXELS }),
+            false => Ok(()),
+        }
     }
 }

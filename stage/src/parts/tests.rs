@@ -156,6 +156,10 @@ fn what_cannot_be_shown_is_refused() {
     assert!(refused(&[SceneShow::Alpha, SceneShow::Light, SceneShow::Alpha]).starts_with("alpha twice"));
     assert_eq!(refused(&[SceneShow::Base(19)]), "base 19 is to be shown: the species have bases 0 to 18");
     assert!(refused(&[SceneShow::Global]).contains("no scene light"));
+    let shows = vec![SceneShow::Light, SceneShow::Alpha];
+    let large = LookSettings { size: Some([8192, 8192]), shows, ..LookSettings::default() };
+    let error = SceneLook::new(&stage, &large, StageSky::Even).expect_err("it is refused").to_string();
+    assert_eq!(error, "134217728 pixels in all layers together, expected at most 67108864");
     let mut look = look(&stage, StageSky::Even);
     look.shows = vec![SceneShow::Light, SceneShow::Alpha];
     let on_gpu = Backend::Gpu(GpuCount::Exactly(1));

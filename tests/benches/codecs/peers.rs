@@ -2,7 +2,6 @@
 
 use flb_format::container::payload;
 use flb_format::container::payload::BlockPage;
-use flb_format::sample::site_of;
 use flb_format::{Codec, Field, block, sample};
 use flb_packer::{EncodeSettings, Existing, encode_species, write_library};
 use rayon::prelude::*;
@@ -18,21 +17,11 @@ pub(crate) struct Row {
     pub error: Option<Error>,
 }
 
-/// The papers' blocks, of the whole volume and of what samples at surfaces read alone: each base at the threshold that
-/// gives it the error.
+/// The papers' blocks, of the whole volume and of those near geometry alone, as `--near-geometry` stores them: each base
+/// at the threshold that gives it the error.
 pub(crate) fn haar_paper(plant: &Plant, surface: &Surface, psnr_db: f64) -> [Row; 2] {
-    let per_axis = block::blocks_per_axis(plant.lattice);
     let n = plant.lattice;
-    let mut is_read = vec![false; per_axis.pow(3) as usize];
-    for site in &surface.sites {
-        let at = site_of(*site as usize, n);
-        for corner in 0..8 {
-            // A sample in a site reads the texels at i and i + 1, with i the site or the one below it.
-            let [x, y, z] =
-                [0, 1, 2].map(|a| (at[a] - (corner >> a & 1).min(at[a])).min(n - 2) / block::STRIDE as u32);
-            is_read[((z * per_axis + y) * per_axis + x) as usize] = true;
-        }
-    }
+    let is_read = block::near(n, &plant.non_empty);
     let bases: Vec<([f64; 2], [u64; 2])> = plant
         .bases()
         .par_iter()
