@@ -40,6 +40,7 @@ impl Report {
             "mesh rms %",
             "furthest mean",
             "finest %",
+            "paper %",
             "Monte Carlo %",
             "front",
             "preset",
@@ -56,6 +57,7 @@ impl Report {
                 row.mesh.as_ref().map_or("-".to_owned(), |mesh| format!("{:.1}", mesh.rms_percent)),
                 row.mesh.as_ref().map_or("-".to_owned(), MeshRow::furthest_mean),
                 format!("{:.2}", row.finest_percent),
+                row.paper_percent.map_or("-".to_owned(), |percent| format!("{percent:.2}")),
                 row.monte_carlo.map_or("-".to_owned(), |found| format!("{:.2}", found.rms_percent)),
                 if row.pareto { "*" } else { "" }.to_owned(),
                 row.presets.join(" "),
@@ -105,6 +107,7 @@ impl Report {
                 or_empty(row.mesh.as_ref().map(|mesh| mesh.bias_percent)),
                 quoted(row.mesh.as_ref().map_or("", |mesh| &mesh.furthest)),
                 row.finest_percent.to_string(),
+                or_empty(row.paper_percent),
                 quoted(&row.worst_band),
                 row.worst_band_percent.to_string(),
                 of_truth(|found| found.rms_percent),
@@ -138,7 +141,7 @@ impl Report {
 
 const FILES_TEXT: &str = "trade.html (plots, table, what is recommended), trade.csv, trade.json, trade-*.svg";
 
-const COLUMNS: [&str; 32] = [
+const COLUMNS: [&str; 33] = [
     "row",
     "choice",
     "presets",
@@ -164,6 +167,7 @@ const COLUMNS: [&str; 32] = [
     "mesh_bias_percent",
     "mesh_furthest",
     "finest_percent",
+    "paper_percent",
     "worst_band",
     "worst_band_percent",
     "monte_carlo_rms_percent",

@@ -54,7 +54,19 @@ fn rows_are_bakes_and_what_is_written_fits_together() {
     let [floats, halves] = ["raw-f32", "raw-f16"].map(raw);
     assert!(halves[2] < 0.6 * floats[2] && (halves[3] - floats[3]).abs() < 0.1, "{floats:?}, {halves:?}");
     let all = |key: &str, of: Value| rows.iter().filter(|row| row[key] == of).count();
-    assert!(all("lattice", json!(16)) > 5 && all("model", json!("paper")) == 2, "{report}");
+    assert!(all("lattice", json!(16)) > 5 && all("model", json!("paper")) == 6, "{report}");
+    // Rows of the papers' model are compared with its own finest, too: a looser coding is further off, and nothing is as
+    // far as from another model.
+    let of_paper = |lattice: u32, codec: &str| {
+        let is_it =
+            |row: &&Value| row["model"] == "paper" && row["lattice"] == lattice && row["codec"] == codec;
+        rows.iter().find(is_it).and_then(|row| row["paper_percent"].as_f64()).expect("one")
+    };
+    assert_eq!(of_paper(32, "raw-f32"), 0.0);
+    let [classed, papers] = ["classed", "haar-paper"].map(|codec| of_paper(32, codec));
+    assert!(0.0 < classed && classed < papers && papers < 20.0, "{classed} {papers}");
+    assert!(of_paper(16, "raw-f32") > papers, "the coarse lattice");
+    assert!(rows.iter().all(|row| row["paper_percent"].is_null() == (row["model"] != "paper")));
     assert_eq!(all("presets", json!(["draft"])), 1);
     let draft = rows.iter().find(|row| row["presets"] == json!(["draft"])).expect("one");
     assert_eq!(report["recommended"][0]["built_in"], draft["row"]);

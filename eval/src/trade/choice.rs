@@ -12,7 +12,7 @@ use flb_packer::rate::Target;
 use flb_packer::{CodingPreset, EncodeSettings};
 use flb_transport::ordinates::{NamedSuns, Ordinates};
 
-use super::transport::{Marched, PAPERS, Transport};
+use super::transport::{COUNTED, Marched, PAPERS, Transport};
 
 /// A bake up to its fields.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -110,11 +110,19 @@ pub(super) fn finest(lattice: u32) -> Solve {
     solve(lattice, physical(NamedSuns::Sh3s, Ordinates::Lebedev110))
 }
 
+/// The solve of the papers' model that its other solves are compared with, of the finest lattice.
+pub(super) fn finest_of_paper(lattice: u32) -> Solve {
+    solve(lattice, PAPERS[0])
+}
+
 /// The coding that the finest solve is sampled from.
 pub const FINEST_STORE: Store = RAW;
 
 /// Largest lattice at which sites are cut: the memory is that of the next lattice and more.
 const CUT_UP_TO: u32 = 64;
+
+/// Largest lattice at which the papers' steps are counted: at 128 they take minutes.
+const COUNTED_UP_TO: u32 = 64;
 
 /// All choices, the finest lattice and its finest solve first, and the presets that no lattice of the list serves.
 pub fn choices(lattices: &[u32], quick: bool) -> (Vec<Choice>, Vec<Skipped>) {
@@ -200,7 +208,8 @@ fn few() -> Vec<(Transport, Vec<Store>)> {
         (physical(NamedSuns::Sh2, Ordinates::Lebedev110), usual()),
         (physical(NamedSuns::Ico42, Ordinates::Lebedev110), usual()),
         (physical(NamedSuns::Lattice18, Ordinates::Lattice18), usual()),
-        (PAPERS[0], usual()),
+        (PAPERS[0], vec![FINEST_STORE]),
+        (PAPERS[1], vec![coded(Quality::Standard), papers(Quality::Draft)]),
     ]
 }
 
@@ -226,9 +235,13 @@ fn many(lattice: u32) -> Vec<(Transport, Vec<Store>)> {
         (physical(NamedSuns::Ico12, Ordinates::Lebedev110), usual()),
         (physical(NamedSuns::Lattice18, Ordinates::Lebedev110), usual()),
         (physical(NamedSuns::Lattice18, Ordinates::Lattice18), usual()),
-        (PAPERS[0], all_stores()),
-        (PAPERS[1], usual()),
+        (PAPERS[0], vec![FINEST_STORE]),
+        (PAPERS[1], all_stores()),
+        (PAPERS[2], usual()),
     ];
+    if lattice <= COUNTED_UP_TO {
+        all.push((COUNTED, vec![coded(Quality::Standard)]));
+    }
     if lattice <= CUT_UP_TO {
         all.push((Marched { parts: 2, ..by_default(NamedSuns::Sh3s) }.into(), usual()));
     }
@@ -239,7 +252,10 @@ impl Solve {
     /// The flags of `flb bake` that make it.
     pub fn flags(&self) -> String {
         let start = format!("--model {} --lattice {}", self.transport.name(), self.lattice);
-        let end = format!("--tolerance {}", self.transport.tolerance());
+        let end = match self.transport.steps() {
+            Some(steps) => format!("--solver explicit --steps {steps}"),
+            None => format!("--tolerance {}", self.transport.tolerance()),
+        };
         let Some(marched) = self.transport.marched() else { return format!("{start} {end}") };
         let Marched { suns, ordinates, rays, parts, field, .. } = marched;
         format!(
@@ -278,7 +294,10 @@ impl fmt::Display for Solve {
                 f.write_str(" total")?;
             }
         }
-        write!(f, " tol {}", self.transport.tolerance())
+        match self.transport.steps() {
+            Some(steps) => write!(f, " {steps} steps"),
+            None => write!(f, " tol {}", self.transport.tolerance()),
+        }
     }
 }
 

@@ -8,7 +8,7 @@ use flb_scene::surface_points::SurfacePoint;
 use flb_scene::{Plant, Step};
 use flb_transport::turbid::scatter;
 
-use super::choice::{Choice, FINEST_STORE, Store};
+use super::choice::{Choice, FINEST_STORE, Solve, Store, finest_of_paper};
 use super::heap::Heap;
 use super::meter::{Cost, Meter};
 use super::on_mesh::OnMesh;
@@ -31,6 +31,8 @@ pub(super) struct Bench<'a> {
 #[derive(Default)]
 pub(super) struct OfAll {
     pub finest: Option<Finest>,
+    /// Of the papers' model.
+    finest_of_paper: Option<Finest>,
     on_mesh: Option<OnMesh>,
 }
 
@@ -72,7 +74,7 @@ impl Bench<'_> {
         let cost = meter.cost(held);
         let own = self.heap.used_bytes().saturating_sub(held);
         self.trace(&baked, of_lattice)?;
-        let OfAll { finest, on_mesh } = of_all;
+        let OfAll { finest, finest_of_paper, on_mesh } = of_all;
         if on_mesh.is_none() {
             let (classed, meta) = (plants()?.classed, &baked.fields.meta);
             *on_mesh = Some(OnMesh::trace(&classed, self.points, meta, self.suns, self.observer)?);
@@ -109,6 +111,10 @@ impl Bench<'_> {
                 let beam = sample::beam(&coded.library, self.suns, on_mesh, &mut of_lattice.prepared)?;
                 *finest = Some(Finest { scattered: coded.sampled.light.clone(), beam, bands });
             }
+            if finest_of_paper.is_none() && (choice.solve, *store) == (self.finest_of_paper(), FINEST_STORE) {
+                let beam = vec![0.0; coded.sampled.light.len() / bands];
+                *finest_of_paper = Some(Finest { scattered: coded.sampled.light.clone(), beam, bands });
+            }
             let (mesh, mesh_missing) = match coded.sampled.on_mesh {
                 Ok(found) => (Some(found), None),
                 Err(reason) => (None, Some(reason)),
@@ -127,6 +133,8 @@ impl Bench<'_> {
             };
             rows.push((*store, row, coded.sampled.light));
         }
+        let is_paper = choice.solve.transport.marched().is_none();
+        let own = finest_of_paper.as_ref().filter(|_| is_paper);
         let finest = finest.as_ref().expect("the first choice is the finest, and is coded without loss");
         Ok(rows
             .into_iter()
@@ -137,6 +145,7 @@ impl Bench<'_> {
                 });
                 let row = Row {
                     finest_percent: distance.percent,
+                    paper_percent: own.map(|own| own.distance(&light, false).percent),
                     worst_band: names[worst].clone(),
                     worst_band_percent: distance.bands[worst],
                     ..row
@@ -144,6 +153,10 @@ impl Bench<'_> {
                 (store, row)
             })
             .collect())
+    }
+
+    fn finest_of_paper(&self) -> Solve {
+        finest_of_paper(self.settings.lattices.iter().copied().max().unwrap_or_default())
     }
 
     fn bake(&self, choice: &Choice, plant: Plant, meter: &Meter) -> Result<Baked, EvalError> {

@@ -58,6 +58,9 @@ pub struct Row {
     pub mesh_missing: Option<String>,
     /// Rms distance of the light at the plant's surface from that of row 1, % of its mean total fluence.
     pub finest_percent: f64,
+    /// The same from the finest row of the model `paper`, % of its mean light; `None` of another model, and where that
+    /// was not tried.
+    pub paper_percent: Option<f64>,
     /// The band that is furthest off in its own mean total fluence, and how far.
     pub worst_band: String,
     /// Distance of the worst band, in % of its own mean total fluence.
@@ -106,6 +109,7 @@ impl Row {
             mesh: None,
             mesh_missing: None,
             finest_percent: 0.0,
+            paper_percent: None,
             worst_band: String::new(),
             worst_band_percent: 0.0,
             monte_carlo: None,

@@ -5,6 +5,7 @@ use flb_format::Quality;
 use flb_format::light::{FieldKind, SunBasis};
 use flb_scene::Plant;
 use flb_scene::extents::Walls;
+use flb_transport::lattice::{SolverKind, Steps};
 use flb_transport::ordinates::{NamedSuns, Ordinates, rays_for};
 
 /// Model of light transport with its settings.
@@ -14,6 +15,8 @@ pub enum Transport {
     Paper {
         /// Change of light at which sweeps end.
         tolerance: f64,
+        /// Steps of the papers' own iteration, in place of sweeps to a tolerance.
+        steps: Option<u32>,
     },
     /// The model `physical`.
     Physical(Marched),
@@ -36,9 +39,16 @@ pub struct Marched {
     pub tolerance: f64,
 }
 
-/// Changes of light at which sweeps of the papers' model end that are tried.
-pub(super) const PAPERS: [Transport; 2] =
-    [Transport::Paper { tolerance: 1e-4 }, Transport::Paper { tolerance: 1e-2 }];
+/// Changes of light at which sweeps of the papers' model end that are tried, the finest first: the others are compared
+/// with it.
+pub(super) const PAPERS: [Transport; 3] = [swept(1e-5), swept(1e-4), swept(1e-2)];
+
+/// Steps as the papers count them, by the lattice.
+pub(super) const COUNTED: Transport = Transport::Paper { tolerance: 1e-4, steps: Some(0) };
+
+const fn swept(tolerance: f64) -> Transport {
+    Transport::Paper { tolerance, steps: None }
+}
 
 impl Marched {
     /// Scattered light of these suns along these directions; else as by default.
@@ -68,10 +78,12 @@ impl From<Marched> for Transport {
 }
 
 impl Transport {
-    /// The same with as many rays as a lattice gets where none are asked for.
+    /// The same with as many rays as a lattice gets where none are asked for, and as many steps as the papers do.
     pub(super) fn on(self, lattice: u32) -> Transport {
         match self {
-            Transport::Paper { .. } => self,
+            Transport::Paper { tolerance, steps } => {
+                Transport::Paper { tolerance, steps: steps.map(|_| Steps::PAPERS.count(lattice)) }
+            }
             Transport::Physical(marched) => {
                 Transport::Physical(Marched { rays: rays_for(lattice, marched.parts), ..marched })
             }
@@ -97,8 +109,16 @@ impl Transport {
     /// Change of light at which a solve ends.
     pub(super) fn tolerance(&self) -> f64 {
         match self {
-            Transport::Paper { tolerance } => *tolerance,
+            Transport::Paper { tolerance, .. } => *tolerance,
             Transport::Physical(marched) => marched.tolerance,
+        }
+    }
+
+    /// Steps of the papers' own iteration, where these are counted.
+    pub(super) fn steps(&self) -> Option<u32> {
+        match self {
+            Transport::Paper { steps, .. } => *steps,
+            Transport::Physical(_) => None,
         }
     }
 
@@ -125,8 +145,11 @@ impl Transport {
     /// The model of a bake.
     pub(super) fn settings(&self) -> ModelSettings {
         match *self {
-            Transport::Paper { tolerance } => {
-                ModelSettings::Paper(PaperSettings { tolerance, ..PaperSettings::default() })
+            Transport::Paper { tolerance, steps } => {
+                let default = PaperSettings::default();
+                let solver = if steps.is_some() { SolverKind::Explicit } else { default.solver };
+                let steps = steps.map(Steps::Count);
+                ModelSettings::Paper(PaperSettings { solver, steps, tolerance, ..default })
             }
             Transport::Physical(Marched { suns, ordinates, rays, parts, field, tolerance }) => {
                 ModelSettings::Physical(PhysicalSettings {
