@@ -104,8 +104,8 @@ impl Shows<'_> {
         self.0.iter().any(|show| !show.is_light())
     }
 
-    /// Refuses an empty list, contents that are there twice, bases that species of at most so many do not have, and more
-    /// layers of a size than memory is promised for.
+    /// Refuses an empty list, contents that are there twice, bases that species of at most so many do not have, and
+    /// more layers of a size than memory is promised for.
     pub(crate) fn check(&self, bases: usize, size: [u32; 2]) -> Result<(), StageError> {
         if self.0.is_empty() {
             return Err(StageError::Shows("nothing".to_owned()));

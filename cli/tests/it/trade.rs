@@ -55,8 +55,8 @@ fn rows_are_bakes_and_what_is_written_fits_together() {
     assert!(halves[2] < 0.6 * floats[2] && (halves[3] - floats[3]).abs() < 0.1, "{floats:?}, {halves:?}");
     let all = |key: &str, of: Value| rows.iter().filter(|row| row[key] == of).count();
     assert!(all("lattice", json!(16)) > 5 && all("model", json!("paper")) == 6, "{report}");
-    // Rows of the papers' model are compared with its own finest, too: a looser coding is further off, and nothing is as
-    // far as from another model.
+    // Rows of the papers' model are compared with its own finest, too: a looser coding is further off, and a coarser
+    // lattice more so.
     let of_paper = |lattice: u32, codec: &str| {
         let is_it =
             |row: &&Value| row["model"] == "paper" && row["lattice"] == lattice && row["codec"] == codec;

@@ -58,8 +58,8 @@ pub struct Row {
     pub mesh_missing: Option<String>,
     /// Rms distance of the light at the plant's surface from that of row 1, % of its mean total fluence.
     pub finest_percent: f64,
-    /// The same from the finest row of the model `paper`, % of its mean light; `None` of another model, and where that
-    /// was not tried.
+    /// Rms distance from the finest row of the model `paper`, % of its mean light; `None` of another model, and where
+    /// that was not tried.
     pub paper_percent: Option<f64>,
     /// The band that is furthest off in its own mean total fluence, and how far.
     pub worst_band: String,

@@ -17,8 +17,8 @@ pub(crate) struct Row {
     pub error: Option<Error>,
 }
 
-/// The papers' blocks, of the whole volume and of those near geometry alone, as `--near-geometry` stores them: each base
-/// at the threshold that gives it the error.
+/// The papers' blocks, of the whole volume and of those near geometry alone, as `--near-geometry` stores them: each
+/// base at the threshold that gives it the error.
 pub(crate) fn haar_paper(plant: &Plant, surface: &Surface, psnr_db: f64) -> [Row; 2] {
     let n = plant.lattice;
     let is_read = block::near(n, &plant.non_empty);
