@@ -51,7 +51,7 @@ fn a_sun_has_an_irradiance_and_others_beside_it() {
     assert_eq!(sunlight(two).added, [moon, white]);
     let refused = |sun: &str| of(sun).expect_err(sun).to_string();
     for (sun, expected) in [
-        ("irradiance = 0", "line 1, sun.irradiance is 0, expected 0 to 10^6, and not 0 in all bands"),
+        ("irradiance = 0", "line 1, sun.irradiance: found 0, expected 0 to 10^6, and not 0 in all bands"),
         ("irradiance = [1, -1, 0]", "expected 0 to 10^6, and not 0 in all bands"),
         ("irradiance = nan", "expected 0 to 10^6"),
         ("irradiance = [1, 2]", "expected one number, or three for R, G, B"),
@@ -60,8 +60,11 @@ fn a_sun_has_an_irradiance_and_others_beside_it() {
         ("added = { at = [10, 20] }", "expected a list of"),
         ("added = [{ at = [10, 20], colour = 1 }]", "expected a list of"),
         ("added = [{ irradiance = 1 }]", "expected a list of"),
-        ("added = [{ at = [10, 95] }]", "elevation of sun.added is 95, expected -90 to 90"),
-        ("added = [{ at = [10, 20], irradiance = -1 }]", "irradiance of sun.added is -1, expected 0 to 10^6"),
+        ("added = [{ at = [10, 95] }]", "elevation of sun.added: found 95, expected -90 to 90"),
+        (
+            "added = [{ at = [10, 20], irradiance = -1 }]",
+            "irradiance of sun.added: found -1, expected 0 to 10^6",
+        ),
         ("lux = 1", "unknown field `lux`"),
     ] {
         assert!(refused(sun).contains(expected), "{sun}: {}", refused(sun));
@@ -78,9 +81,9 @@ fn highlights_have_a_strength_and_an_exponent() {
     assert_eq!(both, HighlightChoice { leaf: Some([0.1, 8.0]), wood: None, water: Some([2.0, 500.5]) });
     let refused = |line: &str| of(line).expect_err(line).to_string();
     for (line, expected) in [
-        ("highlight.leaf = [-1, 8]", "line 1, strength of highlight.leaf is -1, expected 0 to 1000"),
-        ("highlight.wood = [1, 0]", "exponent of highlight.wood is 0, expected 0.01 to 10000"),
-        ("highlight.water = [nan, 1]", "strength of highlight.water is NaN"),
+        ("highlight.leaf = [-1, 8]", "line 1, strength of highlight.leaf: found -1, expected 0 to 1000"),
+        ("highlight.wood = [1, 0]", "exponent of highlight.wood: found 0, expected 0.01 to 10000"),
+        ("highlight.water = [nan, 1]", "strength of highlight.water: found NaN"),
         ("highlight.water = 1", "line 1"),
         ("highlight.bark = [1, 1]", "unknown field `bark`"),
     ] {
@@ -345,7 +348,10 @@ fn what_is_wrong_is_named_with_its_line() {
             "sun.fixed: found [3], expected [azimuth, elevation] in degrees, or a list of them",
         ),
         ("sun = { fixed = \"noon\" }\n".to_owned(), "found \"noon\", expected [azimuth, elevation]"),
-        ("sun = { fixd = [1, 2] }\n".to_owned(), "unknown field `fixd`, expected `fixed` or `path`"),
+        (
+            "sun = { fixd = [1, 2] }\n".to_owned(),
+            "unknown field `fixd`, expected one of `fixed`, `path`, `irradiance`, `added`",
+        ),
         ("sun = { fixed = [[0, 91]] }\n".to_owned(), "elevation of sun.fixed: found 91, expected -90 to 90"),
         (
             format!("sun = {{ fixed = [{}] }}\n", "[0, 9],".repeat(1025)),
