@@ -133,8 +133,7 @@ impl Bench<'_> {
             };
             rows.push((*store, row, coded.sampled.light));
         }
-        let is_paper = choice.solve.transport.marched().is_none();
-        let own = finest_of_paper.as_ref().filter(|_| is_paper);
+        let own = finest_of_paper.as_ref().filter(|_| choice.solve.transport.has_finest_of_its_own());
         let finest = finest.as_ref().expect("the first choice is the finest, and is coded without loss");
         Ok(rows
             .into_iter()

@@ -114,6 +114,11 @@ impl Transport {
         }
     }
 
+    /// Whether its rows are compared with the finest of their own model, too.
+    pub(super) fn has_finest_of_its_own(&self) -> bool {
+        self.marched().is_none()
+    }
+
     /// Steps of the papers' own iteration, where these are counted.
     pub(super) fn steps(&self) -> Option<u32> {
         match self {
