@@ -68,13 +68,12 @@ pub(crate) fn write(
 /// Refuses layers that a format has no room for.
 pub(crate) fn check_layers(output: &Path, format: PictureFormat, shows: &[SceneShow]) -> Result<(), Failure> {
     let pictures = shows.iter().filter(|show| **show != SceneShow::Alpha).count();
-    let refuse = |message: &str| Err(Failure::new(USAGE, message).at(output));
-    match format {
-        PictureFormat::Png if pictures != 1 => refuse(
-            "--show: a .png holds one of light, direct, indirect, base:N and global, with or without alpha; an .exr holds all",
-        ),
-        _ => Ok(()),
+    if matches!(format, PictureFormat::Png) && pictures != 1 {
+        let message = "--show: a .png holds one of light, direct, indirect, base:N and global, with or without alpha; an .exr \
+                       holds all";
+        return Err(Failure::new(USAGE, message).at(output));
     }
+    Ok(())
 }
 
 /// Layers of several pictures side by side, as layers of one.

@@ -83,7 +83,7 @@ pub fn cover_of_plant(
     look: &Look,
 ) -> Result<Picture, RenderError> {
     let (forest, view) = portrait.prepare(plant, lighting, look)?;
-    forest.coverage(&view, lighting, look)
+    forest.coverage_of(&view, lighting, look)
 }
 
 impl Portrait {

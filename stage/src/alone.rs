@@ -76,7 +76,7 @@ impl<'p> PlantRenderer<'p> {
     pub fn new(
         mesh: &'p ClassedMesh,
         light: &PlantLight,
-        look: PlantLook,
+        mut look: PlantLook,
         suns_deg: &[[f64; 2]],
     ) -> Result<PlantRenderer<'p>, StageError> {
         let ClassedMesh { mesh, classes } = mesh;
@@ -87,9 +87,10 @@ impl<'p> PlantRenderer<'p> {
         if look.shows.contains(&SceneShow::Global) {
             return Err(StageError::NoSceneLight);
         }
-        let look = PlantLook { look: shows.look(look.look), ..look.clone() };
-        let has_light = !look.is_path_traced && Shows(&look.shows).has_fields(&look.look);
-        let light = match (Shows(&look.shows).has_bases(), has_light) {
+        let has_light = !look.is_path_traced && shows.has_fields(&look.look);
+        let has_bases = shows.has_bases();
+        look.look = shows.look(look.look);
+        let light = match (has_bases, has_light) {
             (true, _) => Some(SpeciesLight::load(&light.library, light.species)?),
             (false, false) => None,
             (false, true) => {

@@ -130,13 +130,15 @@ impl<'s> SceneRenderer<'s> {
         }
         let lighting = self.look.lighting(frame.sun_deg)?;
         let subject = subject(frame.sun_deg);
-        if show == SceneShow::Alpha {
-            return Ok(Step::Trace.run(observer, "alpha", |_| self.forest.coverage(&view, &lighting, &look))?);
+        if show == SceneShow::Global {
+            self.turn(&lighting, observer)?;
         }
-        self.turn(&lighting, observer)?;
         let shade = self.neighbours.as_ref().and_then(Neighbours::shade);
         let On::Cpu(cpu) = &mut self.on else { return Err(StageError::OnCpuAlone) };
         let fragments = seen(&mut cpu.camera, &self.forest, &view, observer)?;
+        if show == SceneShow::Alpha {
+            return Ok(self.forest.coverage(fragments, &lighting, &look)?);
+        }
         let placements = &self.stage.scene.instances;
         if let SceneShow::Base(base) = show {
             let light = |LightQuery { instance, point, .. }: LightQuery, phi: &mut [f32; 3]| {

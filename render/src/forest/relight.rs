@@ -99,19 +99,37 @@ impl Forest<'_> {
     }
 
     /// How much of each pixel is covered by plants, water and ground that has not faded into the haze, 0 to 1, in all
-    /// bands: the alpha of a picture without a backdrop ([`Look::has_backdrop`]).
+    /// bands: the alpha of a picture of these fragments without a backdrop ([`Look::has_backdrop`]).
+    ///
+    /// # Errors
+    /// [`RenderError`] for settings outside their limits.
+    pub fn coverage(
+        &self,
+        fragments: &Fragments,
+        lighting: &Lighting,
+        look: &Look,
+    ) -> Result<Picture, RenderError> {
+        let camera = &fragments.camera;
+        let lit = Lit::new(self, camera, lighting, look, &|_, _| {})?;
+        let work = |number, _| lit.covered_square(camera, fragments.square(number));
+        picture(&camera.view, squares::pixels(&camera.view, &|_| Ok(()), work)?)
+    }
+
+    /// The same of a picture whose fragments are not kept.
     ///
     /// # Errors
     /// As [`Forest::render`].
-    pub fn coverage(&self, view: &View, lighting: &Lighting, look: &Look) -> Result<Picture, RenderError> {
+    pub(crate) fn coverage_of(
+        &self,
+        view: &View,
+        lighting: &Lighting,
+        look: &Look,
+    ) -> Result<Picture, RenderError> {
         let camera = Camera::new(self, view)?;
         let lit = Lit::new(self, &camera, lighting, look, &|_, _| {})?;
         let tracer = Tracer::new(self, camera);
-        let covered = |_, area| {
-            let mean = |sample: &Fragment, ray: &WorldRay| Vec3::splat(lit.covered(sample, ray));
-            means(&camera, &tracer.square(area), |fragment, _, ray| mean(fragment, ray))
-        };
-        picture(view, squares::pixels(view, &|_| Ok(()), covered)?)
+        let work = |_, area| lit.covered_square(&camera, &tracer.square(area));
+        picture(view, squares::pixels(view, &|_| Ok(()), work)?)
     }
 }
 
@@ -163,6 +181,11 @@ impl<'a> Lit<'a> {
     /// The means of a square's pixels, `[y][x]`, not below 0.
     fn square(&self, camera: &Camera, square: &Square) -> Vec<[f32; 3]> {
         means(camera, square, |fragment, mirrored, ray| self.seen(fragment, mirrored, ray))
+    }
+
+    /// How much of a square's pixels is covered, `[y][x]`, in all bands.
+    fn covered_square(&self, camera: &Camera, square: &Square) -> Vec<[f32; 3]> {
+        means(camera, square, |fragment, _, ray| Vec3::splat(self.covered(fragment, ray)))
     }
 
     /// How much a ray from the camera is stopped.

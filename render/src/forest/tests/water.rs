@@ -345,7 +345,9 @@ fn a_picture_without_a_backdrop_lacks_what_its_cover_leaves_of_the_sky_and_mirro
     ] {
         let look = |backdrop| Setup { backdrop, ..afternoon() };
         let [with, without] = [true, false].map(|backdrop| lit(&forest, &view, &look(backdrop)));
-        let cover = forest.coverage(&view, &look(false).lighting(), &look(false).look()).unwrap();
+        let fragments = forest.trace(&view, &|_| Ok(())).unwrap();
+        let cover = forest.coverage(&fragments, &look(false).lighting(), &look(false).look()).unwrap();
+        assert_eq!(cover, forest.coverage_of(&view, &look(false).lighting(), &look(false).look()).unwrap());
         let mut seen = [0; 3];
         for ((with, without), cover) in with.rgb.chunks(3).zip(without.rgb.chunks(3)).zip(cover.rgb.chunks(3))
         {
