@@ -173,7 +173,7 @@ fn crown(mesh: &Mesh, lattice: u32) -> TurbidMedium {
         mesh,
         &classes,
         &medium,
-        &CrownSettings { ignore_alpha: false, angles: LeafAngleChoice::Spherical },
+        &CrownSettings { ignore_alpha: false, angles: LeafAngleChoice::Measured },
         &|_| Ok(()),
     );
     crown.expect("the mesh has leaves").turbid

@@ -127,7 +127,7 @@ pub(crate) enum Command {
     Scene(SceneArgs),
     /// Bake a plant under a grid of choices, measure each, and say which to choose
     Trade(TradeArgs),
-    /// Say what this machine offers; `--extremes` tries the solver at the ends of its range
+    /// Say what this machine offers; `--extremes` tries the solvers at the ends of their range
     Doctor(DoctorArgs),
 }
 
@@ -356,8 +356,8 @@ pub(crate) struct GrowArgs {
 
 #[derive(Args)]
 pub(crate) struct DoctorArgs {
-    /// Solve a table of extreme media and optics, and hold each against a converged f64 solution and its energy
-    /// balance; exit 1 if one does not end as it must
+    /// Solve tables of extreme media, optics and settings of both models, and hold each against a solution in f64 and
+    /// its energy balance; exit 1 if one does not end as it must
     #[arg(long)]
     pub extremes: bool,
     /// Print the report as JSON (schema: cli/schema/doctor.json)

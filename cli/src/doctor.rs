@@ -1,8 +1,11 @@
 //! `flb doctor`: what this machine offers, and whether the solver does as it must at its extremes.
 
+use std::fmt::Display;
+
 use flb_format::container::records::VERSION;
-use flb_transport::lattice::extremes::{self, Measured, Outcome, table};
+use flb_transport::extremes::Outcome;
 use flb_transport::lattice::find_gpu;
+use flb_transport::{lattice, ordinates};
 use serde::Serialize;
 
 use crate::args::DoctorArgs;
@@ -23,6 +26,8 @@ struct Report {
 
 #[derive(Serialize)]
 struct ExtremeReport {
+    /// Model of the solver.
+    model: &'static str,
     name: &'static str,
     /// What is not as it must be.
     faults: Vec<String>,
@@ -33,17 +38,20 @@ struct ExtremeReport {
 #[derive(Serialize)]
 struct Numbers {
     sites: usize,
+    /// Solves of which each ends by itself: the bases in all bands, or the bands.
     solves: usize,
     converged: usize,
-    sweeps: u32,
-    residual: f64,
+    /// Sweeps of `paper`, passes of `physical`.
+    iterations: u32,
     error_estimate: f64,
     compared: usize,
     relative_l2: f64,
     worst_site: f64,
     imbalance: f64,
-    least_phi: f32,
-    most_phi: f32,
+    /// Error of the fit or the blend over suns; `paper` has none.
+    suns_rms: Option<f64>,
+    least_light: f32,
+    most_light: f32,
 }
 
 /// Prints the report. With `--extremes`, exits with 1 if a case does not end as it must.
@@ -65,19 +73,24 @@ pub(crate) fn run(args: &DoctorArgs) -> Result<u8, Failure> {
     }
     let mut healthy = true;
     if args.extremes {
-        if !args.json {
-            print::out(&format!("\n{}\n{}", table::legend(), table::HEADER))?;
+        let print = |text: &str| if args.json { Ok(()) } else { print::out(text) };
+        let mut reports = Vec::new();
+        let table = ordinates::extremes::table::legend();
+        print(&format!("\nThe model physical\n\n{table}\n{}", ordinates::extremes::table::HEADER))?;
+        for case in ordinates::extremes::cases() {
+            let outcome = ordinates::extremes::run(&case);
+            print(&ordinates::extremes::table::row(&outcome))?;
+            reports.push(extreme("physical", &outcome, numbers_of_ordinates));
         }
-        let mut outcomes = Vec::new();
-        for case in extremes::cases() {
-            let outcome = extremes::run(&case);
-            healthy &= outcome.faults.is_empty();
-            if !args.json {
-                print::out(&table::row(&outcome))?;
-            }
-            outcomes.push(extreme(outcome));
+        let table = lattice::extremes::table::legend();
+        print(&format!("\nThe model paper\n\n{table}\n{}", lattice::extremes::table::HEADER))?;
+        for case in lattice::extremes::cases() {
+            let outcome = lattice::extremes::run(&case);
+            print(&lattice::extremes::table::row(&outcome))?;
+            reports.push(extreme("paper", &outcome, numbers_of_lattice));
         }
-        report.extremes = Some(outcomes);
+        healthy = reports.iter().all(|report| report.faults.is_empty());
+        report.extremes = Some(reports);
     }
     if args.json {
         print::json(&report)?;
@@ -95,26 +108,48 @@ fn text(report: &Report) -> String {
     line!("{}", report.tool) + &rows.concat()
 }
 
-fn extreme(outcome: Outcome) -> ExtremeReport {
-    let Outcome { name, measured, faults } = outcome;
-    let refused = measured.as_ref().err().map(ToString::to_string);
-    ExtremeReport { name, faults, refused, measured: measured.ok().map(numbers) }
+fn extreme<M, E: Display>(
+    model: &'static str,
+    outcome: &Outcome<M, E>,
+    numbers: impl Fn(&M) -> Numbers,
+) -> ExtremeReport {
+    let measured = outcome.measured.as_ref().ok().map(numbers);
+    let (name, faults) = (outcome.name, outcome.faults.clone());
+    ExtremeReport { model, name, faults, refused: outcome.refused(), measured }
 }
 
-fn numbers(found: Measured) -> Numbers {
-    let [least_phi, most_phi] = found.range;
+fn numbers_of_ordinates(found: &ordinates::extremes::Measured) -> Numbers {
+    let [least_light, most_light] = found.range;
     Numbers {
         sites: found.sites,
-        solves: found.solves,
+        solves: found.bands,
         converged: found.converged,
-        sweeps: found.sweeps,
-        residual: found.residual,
+        iterations: found.passes,
         error_estimate: found.error_estimate,
         compared: found.compared,
         relative_l2: found.relative_l2,
         worst_site: found.worst_site,
         imbalance: found.imbalance,
-        least_phi,
-        most_phi,
+        suns_rms: found.suns_rms,
+        least_light,
+        most_light,
+    }
+}
+
+fn numbers_of_lattice(found: &lattice::extremes::Measured) -> Numbers {
+    let [least_light, most_light] = found.range;
+    Numbers {
+        sites: found.sites,
+        solves: found.solves,
+        converged: found.converged,
+        iterations: found.sweeps,
+        error_estimate: found.error_estimate,
+        compared: found.compared,
+        relative_l2: found.relative_l2,
+        worst_site: found.worst_site,
+        imbalance: found.imbalance,
+        suns_rms: None,
+        least_light,
+        most_light,
     }
 }

@@ -9,7 +9,6 @@ use flb_format::container::payload::{BlockPage, SPARSE_GROUP, SparseValue};
 use flb_format::container::records::*;
 use flb_format::container::{metadata, payload};
 use flb_format::error::Place;
-use flb_format::light::SunBasis;
 use flb_format::matter::TurbidMedium;
 use flb_format::mesh::{MESH_ERROR, MeshError};
 use flb_format::progress::Progress;
@@ -166,21 +165,25 @@ fn check_settings(settings: &EncodeSettings) -> Result<(), PackError> {
 
 /// What thresholds are relative to in the sun's fields. In `paper` files that is the light that enters, 1. Scattered
 /// light of dark leaves is a few hundredths of it, so in `physical` files it is the mean scattered light of the
-/// brightest band: of c_0 of the harmonics, of all bases of directions.
+/// brightest band: of all bases of directions, or c_0 of the harmonics. Where that is not above 0, the near beam has
+/// all the light: it is between 0 and 1, and half of what goes with it counts, too.
 fn unit_of_light(fields: &SpeciesFields, points: &[u32]) -> f32 {
     let Some((_, light)) = fields.meta.physical() else { return 1.0 };
     let mean_of = |field: &Field, band: u32| {
         let sum: f64 = points.iter().map(|&site| f64::from(field.value(band, site as usize))).sum();
         sum / points.len().max(1) as f64
     };
-    let counted = |base: u8| match light.suns {
-        SunBasis::Lattice18 | SunBasis::Directions(_) => base > 0,
-        SunBasis::Harmonics { .. } => base == 1,
+    let suns: Vec<(u8, &Field)> =
+        fields.bases.iter().filter(|(base, _)| *base > 0).map(|(base, field)| (*base, field)).collect();
+    let sum_over = |band: u32, counts: &dyn Fn(u8) -> bool| -> f64 {
+        suns.iter().filter(|(base, _)| counts(*base)).map(|(_, field)| mean_of(field, band)).sum()
     };
-    let counted: Vec<&Field> =
-        fields.bases.iter().filter(|(base, _)| counted(*base)).map(|(_, field)| field).collect();
-    let of_band = |band: u32| {
-        counted.iter().map(|field| mean_of(field, band)).sum::<f64>() / counted.len().max(1) as f64
+    let of_band = |band: u32| match light.suns.first_near_item() {
+        None => sum_over(band, &|_| true) / suns.len().max(1) as f64,
+        Some(near) => {
+            let smooth = sum_over(band, &|base| base == 1);
+            if smooth > 0.0 { smooth } else { smooth + 0.5 * sum_over(band, &|base| base >= near) }
+        }
     };
     (0..fields.meta.band_count() as u32).map(of_band).fold(0.0, f64::max) as f32
 }

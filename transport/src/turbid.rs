@@ -2,8 +2,10 @@
 //!
 //! The medium itself is part of the file ([`flb_format::matter::TurbidMedium`]).
 
+mod facets;
 mod phase;
 
+pub(crate) use facets::{Facets, extinction_moment, most_unlike_mean};
 pub use flb_format::matter::{INCLINATIONS, LeafAngles, TurbidMedium};
 pub use phase::Phase;
 

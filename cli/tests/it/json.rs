@@ -127,6 +127,8 @@ fn doctor_reports_every_extreme() {
     assert!(cases.iter().all(|case| case["faults"] == json!([])), "{report}");
     assert_eq!(of("a tree, the papers' optics")["measured"]["converged"], 57);
     assert_eq!(of("all leaf, no absorption, backwards")["measured"]["converged"], 0);
+    assert_eq!(of("a tree, green light")["model"], "physical");
+    assert_eq!(of("1 pass")["measured"]["converged"], 0);
     assert!(of("g one ulp above 1")["refused"].as_str().expect("a reason").contains("expected -1 to 1"));
 }
 

@@ -106,9 +106,9 @@ fn a_preset_chooses_what_no_flag_does() {
     );
     setting("best.flb", "\"solve.parts\":2");
     let flags =
-        ["--target-psnr", "30", "--suns", "sh1", "--ordinates", "18", "--rays", "2", "--tolerance", "0.05"];
+        ["--target-psnr", "28", "--suns", "sh1", "--ordinates", "18", "--rays", "2", "--tolerance", "0.05"];
     let over = [&["--quality", "reference", "--cut-sites=false"], &flags[..], &small].concat();
-    assert_eq!(bake("over.flb", &over), [16.0, 30.0, 1.0, 18.0, 2.0]);
+    assert_eq!(bake("over.flb", &over), [16.0, 28.0, 1.0, 18.0, 2.0]);
     setting("over.flb", "\"solve.tolerance\":0.05");
     setting("over.flb", "\"solve.parts\":1");
     let over = [&["--quality", "draft", "--cut-sites"], &small[..]].concat();

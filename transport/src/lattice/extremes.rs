@@ -1,6 +1,4 @@
-//! The solver at the ends of its range: a table of cases, each solved, measured and judged.
-//!
-//! `flb doctor --extremes` prints the table; docs/extremes.md keeps it. Its numbers are the same on every machine.
+//! The lattice-Boltzmann solver at the ends of its range: cases, each solved, measured and judged.
 
 mod cases;
 mod shapes;
@@ -14,6 +12,7 @@ pub use cases::cases;
 use super::balance;
 use super::reference;
 use super::{SolveError, SolveSettings, solve};
+use crate::extremes::{self, End, Outcome, range_of};
 
 /// Largest relative L2 error of a base that is said to have converged, over the non-empty sites.
 pub const MAX_L2: f64 = 2e-4;
@@ -44,17 +43,6 @@ pub struct Case {
     pub end: End,
 }
 
-/// End that a solve must have.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum End {
-    /// Every base converges.
-    Converges,
-    /// No base converges, and the solver says so and ends early.
-    GivesUp,
-    /// Refused, with these words in the reason.
-    Refused(&'static str),
-}
-
 /// Errors and work measured on a case: the worst of all bases and bands, errors of those that were compared.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct Measured {
@@ -68,8 +56,6 @@ pub struct Measured {
     pub sweeps: u32,
     /// Solves that were held against the fixed point.
     pub compared: usize,
-    /// Largest residual.
-    pub residual: f64,
     /// Largest error estimate.
     pub error_estimate: f64,
     /// Largest relative L2 error against the f64 fixed point, of the solves that converged and were compared.
@@ -82,18 +68,8 @@ pub struct Measured {
     pub range: [f32; 2],
 }
 
-/// A case and how it went.
-pub struct Outcome {
-    /// [`Case::name`].
-    pub name: &'static str,
-    /// The numbers, or why the input was refused.
-    pub measured: Result<Measured, SolveError>,
-    /// Faults of the outcome; empty if all is as it must be.
-    pub faults: Vec<String>,
-}
-
 /// Solves a case with default settings and holds it against the fixed point in f64.
-pub fn run(case: &Case) -> Outcome {
+pub fn run(case: &Case) -> Outcome<Measured, SolveError> {
     let measured = measure(case);
     let faults = judge(case, &measured);
     Outcome { name: case.name, measured, faults }
@@ -110,9 +86,7 @@ fn measure(case: &Case) -> Result<Measured, SolveError> {
         solves: reports.len(),
         converged: reports.iter().filter(|report| report.converged).count(),
         sweeps: reports.iter().map(|report| report.sweeps).max().unwrap_or(0),
-        residual: largest(&|report| report.residual),
         error_estimate: largest(&|report| report.error_estimate),
-        range: [f32::MAX, f32::MIN],
         ..Measured::default()
     };
     let bands = optics.bands.len();
@@ -123,12 +97,7 @@ fn measure(case: &Case) -> Result<Measured, SolveError> {
         reports.iter().any(|report| (report.base, report.band) == (base, band) && report.converged)
     };
     let wanted: Vec<(u8, u32)> = COMPARED_BASES.into_iter().flat_map(of_base).filter(converged).collect();
-    for (_, field) in &solution.bases {
-        for &phi in field.values().iter() {
-            let [low, high] = measured.range;
-            measured.range = if phi.is_finite() { [low.min(phi), high.max(phi)] } else { [f32::NAN; 2] };
-        }
-    }
+    measured.range = range_of(solution.bases.iter().flat_map(|(_, field)| field.values().to_vec()));
     for exact in reference::solve(medium, optics, &wanted, REFERENCE_TOLERANCE, REFERENCE_SWEEPS)? {
         measured.compared += 1;
         let phi = solution.bases[usize::from(exact.base)].1.band(exact.band);
@@ -143,74 +112,25 @@ fn measure(case: &Case) -> Result<Measured, SolveError> {
 }
 
 fn judge(case: &Case, measured: &Result<Measured, SolveError>) -> Vec<String> {
-    let mut faults = Vec::new();
-    let mut expect = |holds: bool, fault: String| {
-        if !holds {
-            faults.push(fault);
+    extremes::faults(case.end, measured, |found, faults| {
+        faults.expect_light(found.range);
+        faults.expect_converged(case.end, found.converged, found.solves);
+        if case.end == End::Converges {
+            // Rounding of f32 sums is not in the estimate.
+            let estimate = MAX_UNDERESTIMATE * found.error_estimate + 1e-6;
+            faults.expect_at_most([
+                ("L2 error", found.relative_l2, MAX_L2),
+                ("L2 error against the estimate", found.relative_l2, estimate),
+                ("error at a site", found.worst_site, MAX_AT_A_SITE),
+                ("energy imbalance", found.imbalance, MAX_IMBALANCE),
+            ]);
         }
-    };
-    match (measured, case.end) {
-        (Err(error), End::Refused(words)) => {
-            expect(error.to_string().contains(words), format!("refused without \"{words}\": {error}"));
-        }
-        (Err(error), _) => expect(false, format!("refused: {error}")),
-        (Ok(_), End::Refused(words)) => expect(false, format!("not refused (\"{words}\" expected)")),
-        (Ok(found), end) => {
-            let [low, high] = found.range;
-            expect(low >= 0.0 && high.is_finite(), format!("light from {low} to {high}"));
-            let expected = if end == End::GivesUp { 0 } else { found.solves };
-            expect(
-                found.converged == expected,
-                format!("{} of {} converged, {expected} expected", found.converged, found.solves),
-            );
-            if end == End::Converges {
-                // Rounding of f32 sums is not in the estimate.
-                let estimate = MAX_UNDERESTIMATE * found.error_estimate + 1e-6;
-                let limits = [
-                    ("L2 error", found.relative_l2, MAX_L2),
-                    ("L2 error against the estimate", found.relative_l2, estimate),
-                    ("error at a site", found.worst_site, MAX_AT_A_SITE),
-                    ("energy imbalance", found.imbalance, MAX_IMBALANCE),
-                ];
-                for (name, value, most) in limits {
-                    expect(value <= most, format!("{name} {value:.1e}, at most {most:.0e} expected"));
-                }
-            }
-        }
-    }
-    faults
+    })
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-
-    /// `FLB_WRITE_DOCS=1` writes the table anew.
-    #[test]
-    fn every_extreme_ends_as_the_docs_say() {
-        let outcomes: Vec<Outcome> = cases().iter().map(run).collect();
-        let faults: Vec<String> = outcomes
-            .iter()
-            .filter(|outcome| !outcome.faults.is_empty())
-            .map(|outcome| format!("{}: {:?}: {:?}", outcome.name, outcome.faults, outcome.measured))
-            .collect();
-        assert!(faults.is_empty(), "{}", faults.join("\n"));
-
-        let rows: String = outcomes.iter().map(table::row).collect();
-        let text = format!("{DOCS_HEAD}\n{}\n{}{rows}", table::legend(), table::HEADER);
-        let path = concat!(env!("CARGO_MANIFEST_DIR"), "/../docs/extremes.md");
-        if std::env::var_os("FLB_WRITE_DOCS").is_some() {
-            std::fs::write(path, &text).unwrap();
-        }
-        let kept = std::fs::read_to_string(path).unwrap_or_default();
-        for (line, (kept, found)) in kept.lines().zip(text.lines()).enumerate() {
-            assert_eq!(kept, found, "docs/extremes.md, line {}; FLB_WRITE_DOCS=1 writes it anew", line + 1);
-        }
-        assert_eq!(kept.lines().count(), text.lines().count());
-    }
-
-    const DOCS_HEAD: &str =
-        "# The solver at the extremes\n\nWritten and checked by a test; `flb doctor --extremes` prints it.\n";
 
     #[test]
     fn a_wrong_end_is_a_fault() {

@@ -167,7 +167,7 @@ type Vectors = (Vec<Vec<f64>>, Vec<f64>);
 /// What the sites of each band scatter: by moments, and by powers of the albedo as light does that is scattered often.
 fn gains_of(bands: &Bands) -> Vectors {
     let of_band = |number: usize| {
-        let gains = (bands.band)(number).gains.0;
+        let gains = (bands.band)(number).gains.gains;
         let stride = gains.len().div_ceil(COUNTED_SITES).max(1);
         let of_site = |gains: &[f32; 3]| {
             let [albedo, first, second] = gains.map(f64::from);

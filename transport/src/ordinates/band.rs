@@ -1,10 +1,10 @@
 //! A band: what the sites of a medium scatter of its light.
 
-use flb_format::matter::TurbidMedium;
+use flb_format::matter::{LeafAngles, TurbidMedium};
 
 use super::first::SiteScattering;
 use super::moments::ScatteringMoments;
-use crate::turbid::{BandScatter, Phase};
+use crate::turbid::{BandScatter, Phase, extinction_moment, most_unlike_mean};
 
 /// One band: what sites scatter, and how many moments that takes.
 pub(super) struct Band {
@@ -18,6 +18,10 @@ pub(super) struct Band {
 /// Light that is scattered more than once is taken for even in direction, where albedo x mean cosine is no more than
 /// this. (The first scattering goes by the phase functions themselves.)
 const NEARLY_EVEN: f64 = 0.15;
+
+/// Leaves are taken to meet light that is scattered more than once alike from all sides, where the sum over all
+/// scatterings of what they meet more or less of it is no more than this.
+const NEARLY_ALIKE: f64 = 0.25;
 
 /// Second moments of phase functions up to this are left out: facets have 1/16.
 const SLIGHT: f64 = 0.1;
@@ -48,7 +52,10 @@ impl Band {
                 [1.0 - wood, wood]
             })
             .collect();
-        let moments = if both.iter().any(|matter| matter.phase.moment(2).abs() > SLIGHT) {
+        let albedo = |place: usize, i: usize| albedos.map_or(both[i].albedo, |of| f64::from(of[place][i]));
+        let leaves = shares.iter().enumerate().map(|(place, share)| share[0] * albedo(place, 0));
+        let (leaning, lean) = leaning(&medium.angles, leaves);
+        let moments = if lean || both.iter().any(|matter| matter.phase.moment(2).abs() > SLIGHT) {
             9
         } else if both.iter().any(|matter| (matter.albedo * matter.phase.moment(1)).abs() > NEARLY_EVEN) {
             4
@@ -56,7 +63,6 @@ impl Band {
             1
         };
         let moment: [[f64; 3]; 2] = both.map(|matter| std::array::from_fn(|l| matter.phase.moment(l)));
-        let albedo = |place: usize, i: usize| albedos.map_or(both[i].albedo, |of| f64::from(of[place][i]));
         let gains = shares.iter().enumerate().map(|(place, share)| {
             let gain = |i: usize, l: usize| share[i] * (albedo(place, i) * moment[i][l]);
             std::array::from_fn(|l| (gain(0, l) + gain(1, l)) as f32)
@@ -65,8 +71,13 @@ impl Band {
             .iter()
             .enumerate()
             .map(|(place, share)| std::array::from_fn(|i| (share[i] * albedo(place, i)) as f32));
-        let matter = SiteScattering { albedos: albedos.collect(), phases: both.map(|matter| matter.phase) };
-        Band { matter, gains: ScatteringMoments(gains.collect()), moments, guess: None }
+        let matter = SiteScattering {
+            albedos: albedos.collect(),
+            phases: both.map(|matter| matter.phase),
+            are_leaves: [true, false],
+        };
+        let gains = ScatteringMoments { gains: gains.collect(), leaning };
+        Band { matter, gains, moments, guess: None }
     }
 
     /// Facets of which each site's leaves let another share through. All that is scattered either passes a facet or
@@ -92,11 +103,30 @@ impl Band {
         let gain = |share: &[f64; 2], l: usize| share[0] * moment[0][l] + share[1] * moment[1][l];
         let gains: Vec<[f32; 3]> =
             shares.iter().map(|share| std::array::from_fn(|l| gain(share, l) as f32)).collect();
+        let leaves = shares.iter().map(|share| share[0] + share[1]);
+        let (leaning, lean) = leaning(&medium.angles, leaves);
         let slanted = gains.iter().any(|gain| f64::from(gain[1].abs()) > NEARLY_EVEN);
+        let moments = match (lean, slanted) {
+            (true, _) => 9,
+            (false, true) => 4,
+            (false, false) => 1,
+        };
         let albedos = shares.iter().map(|share| share.map(|share| share as f32)).collect();
-        let matter = SiteScattering { albedos, phases };
-        Band { matter, gains: ScatteringMoments(gains), moments: if slanted { 4 } else { 1 }, guess: None }
+        let matter = SiteScattering { albedos, phases, are_leaves: [true, true] };
+        Band { matter, gains: ScatteringMoments { gains, leaning }, moments, guess: None }
     }
+}
+
+/// What is scattered of the second moment of light, from what the leaves of each site scatter of all light; and whether
+/// that is so much that it counts.
+fn leaning(angles: &LeafAngles, leaves: impl Iterator<Item = f64>) -> (Vec<f32>, bool) {
+    let (moment, most) = (extinction_moment(angles), most_unlike_mean(angles));
+    let mut counts = false;
+    let of_site = |leaves: f64| {
+        counts |= leaves * most > NEARLY_ALIKE * (1.0 - leaves);
+        (leaves * moment) as f32
+    };
+    (leaves.map(of_site).collect(), counts)
 }
 
 /// What the sites of a band have of their own.

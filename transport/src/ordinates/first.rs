@@ -7,11 +7,12 @@ use flb_format::beam::Beam;
 use flb_format::beam::single::Segment;
 use prefetch_index::prefetch_index;
 use pulp::{Arch, NullaryFnOnce};
+use rayon::prelude::*;
 
 use super::halves::{HALVINGS, add_each, by_halves};
-use super::lanes::Lanes;
+use super::lanes::{LANES, Lanes};
 use super::march::{FINE, March, Slant, SlantedTracks, WAYS};
-use super::moments::Moments;
+use super::moments::{Moments, none_below_0};
 use crate::turbid::Phase;
 
 impl March {
@@ -32,12 +33,13 @@ impl March {
             .collect();
         let albedos: Vec<Albedos<B>> =
             (0..self.escape.len()).map(|site| Albedos(matter.map(|matter| matter.albedos[site]))).collect();
-        let turning = Turning::new(&self.axes, matter, beams);
-        let of_axes = |axes: &[SlantedTracks]| {
+        let turned = turned(self, matter, beams);
+        let axes: Vec<(&SlantedTracks, &Turned<B>)> = self.axes.iter().zip(&turned).collect();
+        let of_axes = |axes: &[(&SlantedTracks, &Turned<B>)]| {
             let mut first = vec![[[Lanes::default(); M]; B]; self.escape.len()];
             let (mut crossed, albedos, lights) = (Vec::new(), &albedos, &lights);
-            for axis in axes {
-                let (turned, first, crossed) = (&turning.by(axis), &mut first, &mut crossed);
+            for &(axis, turned) in axes {
+                let (first, crossed) = (&mut first, &mut crossed);
                 Arch::new().dispatch(FirstJob { axis, albedos, turned, lights, first, crossed });
             }
             first
@@ -45,8 +47,8 @@ impl March {
         let add = |first: &mut Vec<[[Lanes; M]; B]>, other: Vec<[[Lanes; M]; B]>| {
             add_each(first.as_flattened_mut().as_flattened_mut(), other.as_flattened().as_flattened());
         };
-        let first = by_halves(&self.axes, HALVINGS, &of_axes, &add);
-        std::array::from_fn(|band| first.iter().map(|first| first[band]).collect())
+        let first = by_halves(&axes, HALVINGS, &of_axes, &add);
+        std::array::from_fn(|band| none_below_0(first.iter().map(|first| first[band]).collect()))
     }
 }
 
@@ -55,54 +57,51 @@ fn lanes_of(beams: &[&Beam], of: &dyn Fn(&Beam) -> f32) -> Lanes {
     Lanes(std::array::from_fn(|lane| beams.get(lane).map_or(0.0, |beam| of(beam))))
 }
 
-/// What leaf and wood of albedo 1 scatter of each beam into a direction, in each band.
-pub(super) struct Turning<'a, const B: usize> {
-    phases: [[Phase; 2]; B],
-    beams: &'a [&'a Beam],
-    /// What that is in all directions.
-    whole: [[Lanes; 2]; B],
-}
+/// What leaf and wood of albedo 1 scatter of each beam into the direction of an axis, and into the opposite one,
+/// relative to their extinction along it: `[way][band][leaf, wood]`.
+pub(super) type Turned<const B: usize> = [[[Lanes; 2]; B]; 2];
 
-impl<'a, const B: usize> Turning<'a, B> {
-    pub(super) fn new(
-        axes: &[SlantedTracks],
-        matter: [&SiteScattering; B],
-        beams: &'a [&'a Beam],
-    ) -> Turning<'a, B> {
-        let phases = matter.map(|matter| matter.phases);
-        let whole_of = |phase: Phase| {
-            let ways = |axis: &SlantedTracks, beam: &Beam| {
-                WAYS.map(|way| scattered_into(phase, beam, axis.direction(way)))
-            };
-            let of = |beam: &Beam| {
-                axes.iter().map(|axis| axis.weight * ways(axis, beam).iter().sum::<f32>()).sum::<f32>()
-            };
-            lanes_of(beams, &of)
-        };
-        Turning { phases, beams, whole: phases.map(|phases| phases.map(whole_of)) }
-    }
-
-    /// Into the direction of an axis, and into the opposite one: `[way][band][leaf, wood]`.
-    pub(super) fn by(&self, axis: &SlantedTracks) -> [[[Lanes; 2]; B]; 2] {
+/// Finds what is scattered into each axis of a march, in each band.
+pub(super) fn turned<const B: usize>(
+    march: &March,
+    matter: [&SiteScattering; B],
+    beams: &[&Beam],
+) -> Vec<Turned<B>> {
+    let scattered = |axis: &SlantedTracks| -> Turned<B> {
         WAYS.map(|way| {
-            let direction = axis.direction(way);
-            std::array::from_fn(|band| {
+            let to = axis.direction(way).map(f64::from);
+            matter.map(|matter| {
                 std::array::from_fn(|i| {
-                    let phase = self.phases[band][i];
-                    let scattered = lanes_of(self.beams, &|beam| scattered_into(phase, beam, direction));
-                    // An idle lane has no light: 0 of 0.
-                    Lanes(std::array::from_fn(|lane| {
-                        scattered.0[lane] / self.whole[band][i].0[lane].max(f32::MIN_POSITIVE)
-                    }))
+                    lanes_of(beams, &|beam| {
+                        let from = beam.towards_sun.map(|c| -c);
+                        march.leaves.scattered(matter.phases[i], matter.are_leaves[i], from, to) as f32
+                    })
                 })
             })
         })
+    };
+    let mut turned: Vec<Turned<B>> = march.axes.par_iter().map(scattered).collect();
+    // All directions together have what is met of the beam.
+    for band in 0..B {
+        for i in 0..2 {
+            let leaning = matter[band].are_leaves[i];
+            let relative =
+                |direction: [f64; 3]| if leaning { march.leaves.relative(direction) as f32 } else { 1.0 };
+            let mut whole = Lanes::default();
+            for (axis, turned) in march.axes.iter().zip(&turned) {
+                let ways = turned[0][band][i] + turned[1][band][i];
+                whole += axis.weight * (relative(axis.direction.map(f64::from)) * ways);
+            }
+            let met = lanes_of(beams, &|beam| relative(beam.towards_sun));
+            // An idle lane has no light: 0 of 0.
+            let factor: [f32; LANES] = std::array::from_fn(|lane| whole.0[lane].max(f32::MIN_POSITIVE));
+            for turned in turned.iter_mut().flatten() {
+                let values = &mut turned[band][i].0;
+                (0..LANES).for_each(|lane| values[lane] = met.0[lane] * values[lane] / factor[lane]);
+            }
+        }
     }
-}
-
-fn scattered_into(phase: Phase, beam: &Beam, direction: [f32; 3]) -> f32 {
-    let along = |i: usize| -beam.towards_sun[i] * f64::from(direction[i]);
-    phase.at(along(0) + along(1) + along(2)) as f32
+    turned
 }
 
 impl SlantedTracks {
@@ -112,7 +111,7 @@ impl SlantedTracks {
     fn scatter_first<const M: usize, const B: usize>(
         &self,
         albedos: &[Albedos<B>],
-        turned: &[[[Lanes; 2]; B]; 2],
+        turned: &Turned<B>,
         lights: &[SiteLight],
         first: &mut [[[Lanes; M]; B]],
         crossed: &mut Vec<Crossed<B>>,
@@ -169,7 +168,7 @@ struct Crossed<const B: usize> {
 struct FirstJob<'a, const M: usize, const B: usize> {
     axis: &'a SlantedTracks,
     albedos: &'a [Albedos<B>],
-    turned: &'a [[[Lanes; 2]; B]; 2],
+    turned: &'a Turned<B>,
     lights: &'a [SiteLight],
     first: &'a mut [[[Lanes; M]; B]],
     crossed: &'a mut Vec<Crossed<B>>,
@@ -191,6 +190,8 @@ pub(super) struct SiteScattering {
     pub albedos: Vec<[f32; 2]>,
     /// Phase functions of leaf and of wood.
     pub phases: [Phase; 2],
+    /// Whether each of the two scatters as leaves do, that may favour an inclination.
+    pub are_leaves: [bool; 2],
 }
 
 /// A segment through a source that changes along it.

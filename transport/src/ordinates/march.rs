@@ -20,6 +20,7 @@ use rayon::prelude::*;
 
 use super::halves::{HALVINGS, add_each, by_halves};
 use super::lanes::Lanes;
+use super::leaves::Leaves;
 use crate::turbid::TurbidMedium;
 
 use super::moments::{Exchange, degree};
@@ -156,6 +157,7 @@ pub(super) struct March {
     pub axes: Vec<SlantedTracks>,
     /// Share of the light sent out in a site that leaves it uncollided, in the mean over its volume and all directions.
     pub escape: Vec<f32>,
+    pub leaves: Leaves,
 }
 
 impl March {
@@ -173,7 +175,7 @@ impl March {
         };
         let add = |escape: &mut Vec<f32>, other: Vec<f32>| add_each(escape, &other);
         let escape = by_halves(&axes, HALVINGS, &escape_along, &add);
-        March { axes, escape }
+        March { axes, escape, leaves: Leaves::new(&medium.angles) }
     }
 
     /// The rays without how they cross sites.

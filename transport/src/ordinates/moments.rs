@@ -22,21 +22,43 @@ impl<const M: usize> Exchange<M> {
     }
 }
 
-/// What sites scatter, in one band: albedo x Legendre moment of the phase function, `[site][degree]`.
-pub(super) struct ScatteringMoments(pub Vec<[f32; 3]>);
+/// What sites scatter, in one band.
+pub(super) struct ScatteringMoments {
+    /// Albedo x Legendre moment of the phase function, `[site][degree]`.
+    pub gains: Vec<[f32; 3]>,
+    /// Albedo of the leaves x their share of the site x second moment of how they lean ([`up_moment`]), `[site]`: how
+    /// much more of the light they meet where it comes across them. Counted where 9 moments are known.
+    pub leaning: Vec<f32>,
+}
+
+/// Second moment about the vertical of a function of the direction, from its moments of degree 2: those are about z,
+/// and y is up.
+pub(super) fn up_moment(of_degree_2: [Lanes; 5]) -> Lanes {
+    let [_, _, along_z, _, across_z] = of_degree_2;
+    -0.5 * along_z - 0.866_025_4 * across_z
+}
 
 impl ScatteringMoments {
     /// The largest albedo.
     pub(super) fn albedo(&self) -> f64 {
-        f64::from(self.0.iter().fold(0.0_f32, |most, gain| most.max(gain[0])))
+        f64::from(self.gains.iter().fold(0.0_f32, |most, gain| most.max(gain[0])))
     }
 
     /// The root of the mean square of the albedos over the sites. A few pale sites, as every bark has them, do not
     /// raise it.
     pub(super) fn rms_albedo(&self) -> f64 {
-        let squares: f64 = self.0.iter().map(|gain| f64::from(gain[0]) * f64::from(gain[0])).sum();
-        libm::sqrt(squares / self.0.len().max(1) as f64)
+        let squares: f64 = self.gains.iter().map(|gain| f64::from(gain[0]) * f64::from(gain[0])).sum();
+        libm::sqrt(squares / self.gains.len().max(1) as f64)
     }
+}
+
+/// Light whose fluence is nowhere below 0. Sources that change along straight lines within dense sites may send out
+/// less than nothing at their far ends.
+pub(super) fn none_below_0<const M: usize>(mut light: Moments<M>) -> Moments<M> {
+    light
+        .iter_mut()
+        .for_each(|moments| moments[0].0.iter_mut().for_each(|fluence| *fluence = fluence.max(0.0)));
+    light
 }
 
 /// Degree of moment `a`.

@@ -11,7 +11,7 @@
 use super::halves::add_each;
 use super::lanes::{LANES, Lanes};
 use super::march::March;
-use super::moments::{Exchange, Moments, ScatteringMoments, degree};
+use super::moments::{Exchange, Moments, ScatteringMoments, degree, up_moment};
 
 /// Steps that the mixing remembers (Anderson, 1965).
 pub(super) const MEMORY: usize = 2;
@@ -42,9 +42,12 @@ fn sending_out<const M: usize>(
     gains: &ScatteringMoments,
     light: &Moments<M>,
 ) -> impl Iterator<Item = Exchange<M>> {
-    light.iter().zip(&gains.0).map(|(light, gain)| Exchange {
-        source: std::array::from_fn(|a| gain[degree(a)] * light[a]),
-        excess: [Lanes::default(); M],
+    light.iter().zip(&gains.gains).zip(&gains.leaning).map(|((light, gain), leaning)| {
+        let mut source = std::array::from_fn(|a| gain[degree(a)] * light[a]);
+        if let Some(&[a, b, c, d, e]) = light.get(4..9) {
+            source[0] += *leaning * up_moment([a, b, c, d, e]);
+        }
+        Exchange { source, excess: [Lanes::default(); M] }
     })
 }
 
@@ -121,7 +124,7 @@ fn become_step<const M: usize>(
 ) -> f64 {
     let (mut change, mut norm) = ([0.0_f64; LANES], [0.0_f64; LANES]);
     for (site, step) in step.iter_mut().enumerate() {
-        let (gain, stays, arrives) = (&gains.0[site], 1.0 - march.escape[site], sites[site].arrives());
+        let (gain, stays, arrives) = (&gains.gains[site], 1.0 - march.escape[site], sites[site].arrives());
         for a in 0..M {
             let whole = 1.0 / (1.0 - gain[degree(a)] * stays);
             step[a] = whole * (first[site][a] + arrives[a] - light[site][a]);

@@ -1,6 +1,7 @@
 //! Laws of the transport, and its distance from Monte Carlo.
 
 mod alike;
+mod leaning;
 mod mixed;
 mod smooth;
 

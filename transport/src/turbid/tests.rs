@@ -1,7 +1,7 @@
 use flb_format::matter::{BandSurfaces, LeafSurface, WoodSurface};
 
 use super::phase::{Phase, legendre};
-use super::scatter;
+use super::{Facets, LeafAngles, scatter};
 
 /// Midpoint sum of `f` over 0..=1.
 fn mean(f: impl Fn(f64) -> f64) -> f64 {
@@ -53,4 +53,43 @@ fn a_black_leaf_scatters_nothing_and_has_a_phase() {
     let black = scatter(&BandSurfaces { name: "R".to_owned(), leaf, wood });
     assert_eq!(black.leaf.albedo, 0.0);
     assert!(black.leaf.phase.at(0.3).is_finite());
+}
+
+#[test]
+fn facets_scatter_what_leaves_of_their_inclinations_meet() {
+    let directions = flb_format::ordinates::Ordinates::Lebedev110.directions();
+    for angles in [LeafAngles::planophile(), LeafAngles::erectophile()] {
+        let facets = Facets::new(&angles).unwrap();
+        for from in &directions {
+            let mut sum = [0.0; 2];
+            for to in &directions {
+                let [through, back] = facets.scattered(from.direction, to.direction);
+                let [through_again, _] = facets.scattered(to.direction, from.direction);
+                assert!((through - through_again).abs() < 1e-12, "light finds its way back");
+                assert_eq!([back, through], facets.scattered(from.direction, to.direction.map(|c| -c)));
+                sum[0] += to.weight * through;
+                sum[1] += to.weight * back;
+            }
+            let met = angles.relative(from.direction[1]);
+            for side in sum {
+                assert!((side / met - 1.0).abs() < 0.02, "{side} of {met} from {:?}", from.direction);
+            }
+        }
+    }
+}
+
+#[test]
+fn facets_of_any_inclination_are_the_phase_function() {
+    // Inclinations as those of a sphere, but for what rounding lets tell apart.
+    let mut areas = [1.0; super::INCLINATIONS];
+    areas[0] = 1.0 + 1e-9;
+    let facets = Facets::new(&LeafAngles::from_areas(areas).unwrap()).unwrap();
+    let from = [0.6, 0.0, 0.8];
+    for to in [[0.0, 1.0, 0.0], [0.48, 0.6, 0.64], [0.6, 0.0, 0.8], [-0.8, 0.0, 0.6]] {
+        let cosine = (0..3).map(|i| from[i] * to[i]).sum::<f64>();
+        let expected = [1.0, 0.0].map(|transmitted| Phase::BiLambert { transmitted }.at(cosine));
+        for (found, expected) in facets.scattered(from, to).into_iter().zip(expected) {
+            assert!((found - expected).abs() < 0.01, "{found}, expected {expected}, towards {to:?}");
+        }
+    }
 }

@@ -4,8 +4,9 @@ use flb_format::Medium;
 use flb_format::matter::{BandOptics, Class, ClassOptics, Optics};
 
 use super::super::media;
+use super::Case;
 use super::shapes::{hollow, solid};
-use super::{Case, End};
+use crate::extremes::End;
 
 /// Scatters back only and absorbs nothing for good: the papers' wood.
 const BACK: ClassOptics = ClassOptics { sigma_a: 0.1, g: -1.0 };

@@ -1,6 +1,8 @@
 //! Outcomes -> the markdown table of docs/extremes.md.
 
-use super::{MAX_AT_A_SITE, MAX_IMBALANCE, MAX_L2, MAX_UNDERESTIMATE, Outcome};
+use super::{MAX_AT_A_SITE, MAX_IMBALANCE, MAX_L2, MAX_UNDERESTIMATE, Measured};
+use crate::extremes::{Outcome, short};
+use crate::lattice::SolveError;
 
 /// Header of the table of outcomes.
 pub const HEADER: &str = "\
@@ -9,9 +11,8 @@ pub const HEADER: &str = "\
 ";
 
 /// Formats one outcome as a row, with its line end.
-pub fn row(outcome: &Outcome) -> String {
-    let Outcome { name, measured, faults } = outcome;
-    let verdict = if faults.is_empty() { "as it must".to_owned() } else { faults.join("; ") };
+pub fn row(outcome: &Outcome<Measured, SolveError>) -> String {
+    let (Outcome { name, measured, .. }, verdict) = (outcome, outcome.verdict());
     match measured {
         Err(error) => {
             format!("| {name} | | | | | | | | | | refused, {verdict}: {} |\n", short(&error.to_string()))
@@ -49,13 +50,4 @@ absorbed, as a share. Asked of a case that must converge: L2 error up to {MAX_L2
 site up to {MAX_AT_A_SITE:.0e}; imbalance up to {MAX_IMBALANCE:.0e}. Of every case that is solved: phi finite and never below 0.
 "
     )
-}
-
-/// Numbers with hundreds of digits say nothing.
-fn short(message: &str) -> String {
-    let word = |word: &str| match word.len() {
-        0..=24 => word.to_owned(),
-        _ => format!("{}...", &word[..word.floor_char_boundary(12)]),
-    };
-    message.split(' ').map(word).collect::<Vec<_>>().join(" ")
 }

@@ -53,6 +53,18 @@ pub(super) fn segment_fields(
     ]
 }
 
+/// `Matter`.
+pub(super) fn matter_fields(gains: [f32; 3], escape: f32, leaning: f32) -> [(&'static str, u32); 5] {
+    let [even, first, second] = gains.map(f32::to_bits);
+    [
+        ("even", even),
+        ("first", first),
+        ("second", second),
+        ("escape", escape.to_bits()),
+        ("leaning", leaning.to_bits()),
+    ]
+}
+
 /// `Slant`.
 pub(super) fn slant_fields(slant: &Slant) -> [(&'static str, u32); 3] {
     let [x, y, z] = slant.offset.map(|c| c as u8);

@@ -1,7 +1,7 @@
 // Light at the sites -> what they send out of it, W x. Nothing has arrived yet.
 
-// [site]: what is scattered of the moments of degree 0, 1 and 2, and the share that escapes the site.
-@group(0) @binding(2) var<storage, read> matter: array<vec4<f32>>;
+// [site]
+@group(0) @binding(2) var<storage, read> matter: array<Matter>;
 // [site][moment][lane], as those below.
 @group(0) @binding(3) var<storage, read> light: array<f32>;
 @group(0) @binding(4) var<storage, read_write> source: array<f32>;
@@ -23,5 +23,12 @@ fn send(
         let gain = gain_of(matter[site], a);
         source[place] = gain * light[place];
         sums[place] = 0.0;
+    }
+    if params.moments == 9u {
+        // Twin: `up_moment` in moments.rs.
+        let along_z = light[at_moment(site, 6u, at % params.lanes)];
+        let across_z = light[at_moment(site, 8u, at % params.lanes)];
+        let place = at_moment(site, 0u, at % params.lanes);
+        source[place] += matter[site].leaning * (-0.5 * along_z - 0.8660254 * across_z);
     }
 }

@@ -1,8 +1,8 @@
 // What arrived in a pass -> the step to the next light, (x_1 + K W x - x) / (1 - W (1 - escape)). Twin: `become_step`
 // in source_iteration.rs.
 
-// [site]: what is scattered of the moments of degree 0, 1 and 2, and the share that escapes the site.
-@group(0) @binding(2) var<storage, read> matter: array<vec4<f32>>;
+// [site]
+@group(0) @binding(2) var<storage, read> matter: array<Matter>;
 // [site][moment][lane], as those below: light scattered once, light that is sent out, all light.
 @group(0) @binding(3) var<storage, read> first: array<f32>;
 @group(0) @binding(4) var<storage, read> source: array<f32>;
@@ -21,11 +21,11 @@ fn step_to(
         return;
     }
     let site = at / params.lanes;
-    let gains = matter[site];
-    let stays = 1.0 - gains.w;
+    let of_site = matter[site];
+    let stays = 1.0 - of_site.escape;
     for (var a = 0u; a < params.moments; a++) {
         let place = at_moment(site, a, at % params.lanes);
-        let gain = gain_of(gains, a);
+        let gain = gain_of(of_site, a);
         let whole = 1.0 / (1.0 - gain * stays);
         sums[place] = whole * (first[place] + (source[place] + sums[place]) - light[place]);
     }

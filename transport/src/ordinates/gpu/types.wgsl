@@ -21,6 +21,18 @@ struct Axis {
     moments: array<vec4<f32>, 3>,
 }
 
+// What a site scatters.
+struct Matter {
+    // Of the moments of degree 0, 1 and 2.
+    even: f32,
+    first: f32,
+    second: f32,
+    // Share of its light that escapes it.
+    escape: f32,
+    // Of the second moment about the vertical, where its leaves lean: added to what is sent out evenly.
+    leaning: f32,
+}
+
 // A ray crosses a site.
 struct Segment {
     // Site, in the list of those with matter.
@@ -52,9 +64,9 @@ fn is_odd(a: u32) -> bool {
     return a >= 1u && a <= 3u;
 }
 
-// What matter scatters of moment `a`; `matter` has the gains of degree 0, 1 and 2.
-fn gain_of(matter: vec4<f32>, a: u32) -> f32 {
-    return select(select(matter.z, matter.y, is_odd(a)), matter.x, a == 0u);
+// What matter scatters of moment `a`.
+fn gain_of(matter: Matter, a: u32) -> f32 {
+    return select(select(matter.second, matter.first, is_odd(a)), matter.even, a == 0u);
 }
 
 // Where moment `a` of a site is, in a list [site][moment][lane].

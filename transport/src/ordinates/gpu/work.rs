@@ -3,10 +3,10 @@
 use flb_format::beam::Beam;
 use rayon::prelude::*;
 
-use super::super::first::{SiteScattering, Turning};
+use super::super::first::{self, SiteScattering, Turned};
 use super::super::lanes::{LANES, Lanes};
 use super::super::march::March;
-use super::super::moments::{Moments, ScatteringMoments};
+use super::super::moments::{Moments, ScatteringMoments, none_below_0};
 use super::device::Gpu;
 use super::layout::{self, Params};
 use super::rays::Rays;
@@ -20,7 +20,7 @@ pub(super) struct Work<'a> {
     rays: &'a Rays,
     pub params: Params,
     pub uniform: wgpu::Buffer,
-    /// Gains of each site, and the share of its light that escapes it.
+    /// One `Matter` for each site.
     pub matter: wgpu::Buffer,
     /// `[site][moment][lane]`: light; what is sent out of it; what arrives beyond that.
     pub light: wgpu::Buffer,
@@ -53,8 +53,11 @@ impl<'a> Work<'a> {
         let uniform = empty(&gpu.opened, "params", 4 * WORD, usage);
         let words = layout::words(params.fields());
         gpu.opened.queue.write_buffer(&uniform, 0, bytemuck::cast_slice(&words));
-        let of_site = |([a, b, c], escape): (&[f32; 3], &f32)| [*a, *b, *c, *escape].map(f32::to_bits);
-        let of_sites: Vec<u32> = gains.0.iter().zip(escape).flat_map(of_site).collect();
+        let of_site = |((gains, leaning), escape): ((&[f32; 3], &f32), &f32)| {
+            layout::words(layout::matter_fields(*gains, *escape, *leaning))
+        };
+        let of_sites: Vec<u32> =
+            gains.gains.iter().zip(&gains.leaning).zip(escape).flat_map(of_site).collect();
         let matter = filled(&gpu.opened, "matter", &of_sites);
         let of_moments = numbers(&params) * WORD;
         let [light, source, sums] =
@@ -134,7 +137,7 @@ impl<'a> Work<'a> {
                 &bound,
             );
         });
-        self.fetch(&self.sums)
+        Ok(self.fetch(&self.sums)?.into_iter().map(none_below_0).collect())
     }
 
     /// Light of the beams, `[site][mean, slope along x, y, z][lane]`.
@@ -154,13 +157,12 @@ impl<'a> Work<'a> {
 
     /// What matter of albedo 1 scatters of each beam, `[axis][way][leaf, wood][lane]`.
     fn turned(&self, march: &March, matter: &SiteScattering, groups: &[&[&Beam]]) -> Vec<f32> {
-        let turning: Vec<Turning<1>> =
-            groups.iter().map(|beams| Turning::new(&march.axes, [matter], beams)).collect();
+        let of_groups: Vec<Vec<Turned<1>>> =
+            groups.iter().map(|beams| first::turned(march, [matter], beams)).collect();
         let mut turned = vec![0.0_f32; march.axes.len() * 4 * self.lanes()];
-        turned.par_chunks_mut(4 * self.lanes()).zip(&march.axes).for_each(|(turned, axis)| {
-            for (group, turning) in turning.iter().enumerate() {
-                let by_ways = turning.by(axis);
-                let rows = by_ways.iter().flat_map(|[of_band]| of_band);
+        turned.par_chunks_mut(4 * self.lanes()).enumerate().for_each(|(axis, turned)| {
+            for (group, of_axes) in of_groups.iter().enumerate() {
+                let rows = of_axes[axis].iter().flat_map(|[of_band]| of_band);
                 for (row, Lanes(values)) in turned.chunks_mut(self.lanes()).zip(rows) {
                     row[group * LANES..][..LANES].copy_from_slice(values);
                 }

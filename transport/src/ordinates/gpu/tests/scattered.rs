@@ -96,7 +96,7 @@ fn scattered(
     let near = Near::new(medium, &sites, false);
     let beams: Vec<Beam> = plan.suns.iter().map(|sun| near.uncollided(sun.towards, 1)).collect();
     let march = March::new(medium, &sites, settings.ordinates, 1);
-    let bands: Vec<Band> = of_bands.iter().map(band).collect();
+    let bands: Vec<Band> = of_bands.iter().map(|scatter| band(medium, scatter)).collect();
     let scattering = Scattering {
         march: &march,
         plan: &plan,

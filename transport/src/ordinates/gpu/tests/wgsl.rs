@@ -42,6 +42,8 @@ fn structs_are_laid_out_as_rust_writes_them() {
     let march = March::new(&medium, &medium.sites(), Ordinates::Lebedev50, 1);
     let axis = &march.axes[3];
     let (segments, slants, _) = axis.slanted_rays().next().unwrap();
+    let matter = layout::matter_fields([0.1, 0.2, 0.3], 0.4, 0.5);
+    assert_layout(&parse(source_of("step_to")).unwrap(), "Matter", matter);
     assert_layout(&module, "Segment", layout::segment_fields(&segments[0], 5));
     assert_layout(&module, "Slant", layout::slant_fields(&slants[0]));
     let (of_axis, size) = members(&module, "Axis");
