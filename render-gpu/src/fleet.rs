@@ -36,6 +36,8 @@ struct Member {
     traced: BTreeMap<usize, Traced>,
     /// Tiles of an older view, whose buffers may do for new ones.
     old: Vec<Traced>,
+    /// Whether it has been told the light of the picture that is made now.
+    is_aimed: bool,
     lost: Option<DeviceError>,
 }
 
@@ -50,6 +52,7 @@ impl Fleet {
             lights,
             traced: BTreeMap::new(),
             old: Vec::new(),
+            is_aimed: false,
             lost: None,
         };
         let members: Vec<Member> = members.into_iter().map(member).collect();
@@ -98,11 +101,12 @@ impl Fleet {
     pub fn relight(&mut self, lighting: &Lighting, look: &Look) -> Result<Picture, ForestError> {
         let view = self.view.ok_or(ForestError::NotTraced)?;
         let tiles = &self.tiles;
+        self.members.iter_mut().for_each(|member| member.is_aimed = false);
         let pictures = share(&mut self.members, tiles.len(), |member, tile| {
             if !member.traced.contains_key(&tile) {
                 member.trace(&view, tiles, tile)?;
             }
-            member.relight(lighting, look, tile)
+            member.relight((lighting, look), view.eye.position_m, tile)
         })?;
         let mut picture = Picture {
             width: view.width,
@@ -154,9 +158,19 @@ impl Member {
         Ok(())
     }
 
-    fn relight(&mut self, lighting: &Lighting, look: &Look, tile: usize) -> Result<Picture, ForestError> {
+    /// Lights a tile that was traced here. What all tiles share is sent with the first of them.
+    fn relight(
+        &mut self,
+        (lighting, look): (&Lighting, &Look),
+        camera_m: [f64; 3],
+        tile: usize,
+    ) -> Result<Picture, ForestError> {
+        if !self.is_aimed {
+            self.forest.aim(&mut self.lights, lighting, look, camera_m)?;
+            self.is_aimed = true;
+        }
         self.with(tile, |forest, lights| {
-            forest.relight(lights, lighting, look)?;
+            forest.light_aimed(lights.light())?;
             forest.picture()
         })
     }

@@ -1,7 +1,9 @@
 //! A forest on a GPU: what its stages are given, and in which order they run.
 
+mod sent_grids;
+
 use flb_gpu::Gpu;
-use flb_render::forest::{Around, Forest, InstanceSearch, MAX_RAYS, ModelSearch, Scenery, Search, View};
+use flb_render::forest::{Around, Forest, MAX_RAYS, ModelSearch, Scenery, Search, View};
 use flb_render::picture::if_finite;
 use flb_render::{Lighting, Look, Picture};
 use flb_runtime::gpu::GpuLight;
@@ -11,8 +13,7 @@ use flb_runtime::scene_light::SceneLightAtSun;
 use crate::buffers::{empty, storage, uniform};
 use crate::camera::view_words;
 use crate::dome::Dome;
-use crate::grids::{SUN_PAD, picture_words, sun_words};
-use crate::layout::{DAYLIGHT_WORDS, LIGHT_WORDS, NONE, Words};
+use crate::layout::{DAYLIGHT_WORDS, LIGHT_WORDS, Words};
 use crate::light_set::LightSet;
 use crate::light_words::DaylightOn;
 use crate::models::Models;
@@ -25,6 +26,7 @@ use crate::streamed::StreamedLights;
 use crate::strips::{CameraHit, Dispatch, PIXEL_BYTES, Strips};
 use crate::surroundings::GroundAndWater;
 use crate::{ForestError, PictureRect};
+use sent_grids::ViewGrid;
 
 /// Limits of a forest on a GPU.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -65,8 +67,8 @@ pub struct GpuForest {
     view: wgpu::Buffer,
     daylight: wgpu::Buffer,
     dome: Dome,
-    /// Of the grid over the picture.
-    seen_words: usize,
+    /// The grid over the picture that was sent last, if there is one.
+    view_grid: Option<ViewGrid>,
     taken: Option<TracedView>,
     show: Show,
 }
@@ -142,7 +144,7 @@ impl GpuForest {
             view,
             daylight,
             dome,
-            seen_words: 0,
+            view_grid: None,
             taken: None,
             show: Show::Picture,
         })
@@ -159,7 +161,7 @@ impl GpuForest {
         self.scene = self.statics.group(&self.gpu, &self.stages, &stand);
         self.stand = stand;
         self.around = forest.around();
-        self.taken = None;
+        (self.taken, self.view_grid) = (None, None);
         self.neighbours.iter_mut().for_each(Neighbours::forget);
         Ok(self.gpu.check()?)
     }
@@ -257,9 +259,23 @@ impl GpuForest {
         lighting: &Lighting,
         look: &Look,
     ) -> Result<(), ForestError> {
-        let scenery = self.scenery(lighting, look)?;
+        let camera_m = self.camera_m()?;
+        self.aim(lights, lighting, look, camera_m)?;
+        self.light_aimed(lights.light())
+    }
+
+    /// Sends what every part of a picture shares under one light: for [`GpuForest::light_aimed`], of any part that a
+    /// camera there sees.
+    pub(crate) fn aim(
+        &mut self,
+        lights: &mut LightSet,
+        lighting: &Lighting,
+        look: &Look,
+        camera_m: [f64; 3],
+    ) -> Result<(), ForestError> {
+        let scenery = self.scenery(lighting, look, camera_m)?;
         let words = lights.aim(&self.stand.plants, &DaylightOn::new(&scenery, lighting))?;
-        self.light(&words, lights.light(), (lighting, look), &scenery)
+        self.send_light(&words, (lighting, look), &scenery, camera_m)
     }
 
     /// Lights the fragments with light that comes over time; `resident` is that of the streamer which `lights` follow.
@@ -273,37 +289,42 @@ impl GpuForest {
         lighting: &Lighting,
         look: &Look,
     ) -> Result<(), ForestError> {
-        let scenery = self.scenery(lighting, look)?;
+        let camera_m = self.camera_m()?;
+        let scenery = self.scenery(lighting, look, camera_m)?;
         let daylight = DaylightOn::new(&scenery, lighting);
         let words = lights.aim(resident, &self.stand.plants, &daylight)?;
-        self.light(&words, lights.light(), (lighting, look), &scenery)
+        self.send_light(&words, (lighting, look), &scenery, camera_m)?;
+        self.light_aimed(lights.light())
     }
 
-    fn scenery(&mut self, lighting: &Lighting, look: &Look) -> Result<Scenery, ForestError> {
+    /// Where the camera of what was traced stands.
+    fn camera_m(&self) -> Result<[f64; 3], ForestError> {
         let taken = self.taken.as_ref().ok_or(ForestError::NotTraced)?;
-        let scenery = self.around.scenery(lighting, look, taken.view.eye.position_m)?;
+        Ok(taken.view.eye.position_m)
+    }
+
+    fn scenery(
+        &mut self,
+        lighting: &Lighting,
+        look: &Look,
+        camera_m: [f64; 3],
+    ) -> Result<Scenery, ForestError> {
+        let scenery = self.around.scenery(lighting, look, camera_m)?;
         if let Some(sky) = &lighting.dome {
             self.dome.send(&self.gpu, &self.stages, sky);
         }
         Ok(scenery)
     }
 
-    fn light(
+    fn send_light(
         &mut self,
         words: &Words,
-        light: &GpuLight,
         (lighting, look): (&Lighting, &Look),
         scenery: &Scenery,
+        camera_m: [f64; 3],
     ) -> Result<(), ForestError> {
         let cells = self.send_sun_grid(scenery.towards_sun)?;
-        let Some(taken) = &self.taken else { return Err(ForestError::NotTraced) };
-        let camera_m = taken.view.eye.position_m;
         self.gpu.queue.write_buffer(&self.lights.0, 0, bytemuck::cast_slice(&words.0));
-        let (light_stage, light_group) = self
-            .neighbours
-            .as_ref()
-            .and_then(Neighbours::stage)
-            .unwrap_or((&self.stages.light, &self.lights.1));
         let words = self.soil.daylight_words(
             (lighting, look),
             scenery,
@@ -313,6 +334,17 @@ impl GpuForest {
             cells,
         );
         self.gpu.queue.write_buffer(&self.daylight, 0, bytemuck::cast_slice(&words));
+        Ok(())
+    }
+
+    /// Lights what was traced, as [`GpuForest::aim`] said last.
+    pub(crate) fn light_aimed(&mut self, light: &GpuLight) -> Result<(), ForestError> {
+        let Some(taken) = &self.taken else { return Err(ForestError::NotTraced) };
+        let (light_stage, light_group) = self
+            .neighbours
+            .as_ref()
+            .and_then(Neighbours::stage)
+            .unwrap_or((&self.stages.light, &self.lights.1));
         for strip in &taken.strips.strips {
             for dispatch in &strip.per_ray {
                 let groups = [&self.scene, &strip.rays, self.dome.group()];
@@ -389,36 +421,6 @@ impl GpuForest {
         let taken = self.taken.as_ref().map_or(0, |taken| taken.strips.size_bytes() + taken.picture.size());
         let neighbours = self.neighbours.as_ref().map_or(0, Neighbours::size_bytes);
         [self.statics.size_bytes() + stand + neighbours, taken]
-    }
-
-    /// The first word of the grid over a picture, if its rays use one.
-    fn send_view_grid(&mut self, view: &View) -> Result<u32, ForestError> {
-        view.check()?;
-        if self.settings.search.primary == InstanceSearch::Tree {
-            return Ok(NONE);
-        }
-        let grid = picture_words(&self.stand.around.view_grid(view)?, &self.stand.places());
-        let first = self.send_grid(0, &grid)?;
-        self.seen_words = grid.len();
-        Ok(first)
-    }
-
-    /// The first word of the grid across a sun's rays, if they use one. It lies behind the picture's.
-    fn send_sun_grid(&mut self, towards_sun: [f64; 3]) -> Result<u32, ForestError> {
-        if self.settings.search.shadow == InstanceSearch::Tree {
-            return Ok(NONE);
-        }
-        let grid = self.stand.around.sun_grid(towards_sun, SUN_PAD);
-        let grid = sun_words(&grid, &self.stand.places(), towards_sun, &self.stand);
-        self.send_grid(self.seen_words, &grid)
-    }
-
-    fn send_grid(&mut self, behind: usize, words: &[u32]) -> Result<u32, ForestError> {
-        let sent = self.statics.put(&self.gpu, behind, words)?;
-        if sent.is_elsewhere {
-            self.scene = self.statics.group(&self.gpu, &self.stages, &self.stand);
-        }
-        Ok(sent.first)
     }
 
     fn run(
