@@ -67,17 +67,21 @@ pub(super) fn turned<const B: usize>(
     matter: [&SiteScattering; B],
     beams: &[&Beam],
 ) -> Vec<Turned<B>> {
+    let from: Vec<[f64; 3]> = beams.iter().map(|beam| beam.towards_sun.map(|c| -c)).collect();
     let scattered = |axis: &SlantedTracks| -> Turned<B> {
+        let there = axis.direction(WAYS[0]).map(f64::from);
+        // Of all bands alike; on the way back they change places.
+        let of_facets: Vec<Option<[f64; 2]>> =
+            from.iter().map(|from| march.leaves.of_facets(*from, there)).collect();
         WAYS.map(|way| {
             let to = axis.direction(way).map(f64::from);
-            matter.map(|matter| {
-                std::array::from_fn(|i| {
-                    lanes_of(beams, &|beam| {
-                        let from = beam.towards_sun.map(|c| -c);
-                        march.leaves.scattered(matter.phases[i], matter.are_leaves[i], from, to) as f32
-                    })
-                })
-            })
+            let of_beam = |matter: &SiteScattering, i: usize, lane: usize| {
+                let of_facets = of_facets[lane].map(|[a, b]| if way == WAYS[0] { [a, b] } else { [b, a] });
+                let of_facets = of_facets.filter(|_| matter.are_leaves[i]);
+                march.leaves.scattered(matter.phases[i], of_facets, from[lane], to) as f32
+            };
+            let lane = |matter, i, lane| if lane < from.len() { of_beam(matter, i, lane) } else { 0.0 };
+            matter.map(|matter| std::array::from_fn(|i| Lanes(std::array::from_fn(|at| lane(matter, i, at)))))
         })
     };
     let mut turned: Vec<Turned<B>> = march.axes.par_iter().map(scattered).collect();

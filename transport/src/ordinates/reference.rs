@@ -290,7 +290,9 @@ impl<'a> Reference<'a> {
         let phases = [self.scatter.leaf.phase, self.scatter.wood.phase];
         let from = beam.towards_sun.map(|c| -c);
         let leans = |i: usize, direction| if i == 0 { self.leaves.relative(direction) } else { 1.0 };
-        let into = |i: usize, to| self.leaves.scattered(phases[i], i == 0, from, to);
+        let into = |i: usize, to| {
+            self.leaves.scattered(phases[i], self.leaves.of_facets(from, to).filter(|_| i == 0), from, to)
+        };
         let factor: [f64; 2] = std::array::from_fn(|i| {
             let of = |rays: &Rays| rays.weight * leans(i, rays.direction) * into(i, rays.direction);
             leans(i, beam.towards_sun) / self.rays.iter().map(of).sum::<f64>()
