@@ -1,11 +1,8 @@
 //! `flb doctor`: what this machine offers, and whether the solver does as it must at its extremes.
 
-use std::fmt::Display;
-
 use flb_format::container::records::VERSION;
-use flb_transport::extremes::Outcome;
+use flb_transport::extremes::{self, Measured, Outcome, Table};
 use flb_transport::lattice::find_gpu;
-use flb_transport::{lattice, ordinates};
 use serde::Serialize;
 
 use crate::args::DoctorArgs;
@@ -75,19 +72,12 @@ pub(crate) fn run(args: &DoctorArgs) -> Result<u8, Failure> {
     if args.extremes {
         let print = |text: &str| if args.json { Ok(()) } else { print::out(text) };
         let mut reports = Vec::new();
-        let table = ordinates::extremes::table::legend();
-        print(&format!("\nThe model physical\n\n{table}\n{}", ordinates::extremes::table::HEADER))?;
-        for case in ordinates::extremes::cases() {
-            let outcome = ordinates::extremes::run(&case);
-            print(&ordinates::extremes::table::row(&outcome))?;
-            reports.push(extreme("physical", &outcome, numbers_of_ordinates));
-        }
-        let table = lattice::extremes::table::legend();
-        print(&format!("\nThe model paper\n\n{table}\n{}", lattice::extremes::table::HEADER))?;
-        for case in lattice::extremes::cases() {
-            let outcome = lattice::extremes::run(&case);
-            print(&lattice::extremes::table::row(&outcome))?;
-            reports.push(extreme("paper", &outcome, numbers_of_lattice));
+        for Table { model, legend, header, row, outcomes } in extremes::tables() {
+            print(&format!("\nThe model {model}\n\n{legend}\n{header}"))?;
+            for outcome in outcomes {
+                print(&row(&outcome))?;
+                reports.push(extreme(model, outcome));
+            }
         }
         healthy = reports.iter().all(|report| report.faults.is_empty());
         report.extremes = Some(reports);
@@ -108,47 +98,25 @@ fn text(report: &Report) -> String {
     line!("{}", report.tool) + &rows.concat()
 }
 
-fn extreme<M, E: Display>(
-    model: &'static str,
-    outcome: &Outcome<M, E>,
-    numbers: impl Fn(&M) -> Numbers,
-) -> ExtremeReport {
-    let measured = outcome.measured.as_ref().ok().map(numbers);
-    let (name, faults) = (outcome.name, outcome.faults.clone());
-    ExtremeReport { model, name, faults, refused: outcome.refused(), measured }
+fn extreme(model: &'static str, outcome: Outcome) -> ExtremeReport {
+    let Outcome { name, measured, faults } = outcome;
+    let refused = measured.as_ref().err().cloned();
+    ExtremeReport { model, name, faults, refused, measured: measured.ok().map(numbers) }
 }
 
-fn numbers_of_ordinates(found: &ordinates::extremes::Measured) -> Numbers {
+fn numbers(found: Measured) -> Numbers {
     let [least_light, most_light] = found.range;
     Numbers {
         sites: found.sites,
-        solves: found.bands,
+        solves: found.solves,
         converged: found.converged,
-        iterations: found.passes,
+        iterations: found.iterations,
         error_estimate: found.error_estimate,
         compared: found.compared,
         relative_l2: found.relative_l2,
         worst_site: found.worst_site,
         imbalance: found.imbalance,
         suns_rms: found.suns_rms,
-        least_light,
-        most_light,
-    }
-}
-
-fn numbers_of_lattice(found: &lattice::extremes::Measured) -> Numbers {
-    let [least_light, most_light] = found.range;
-    Numbers {
-        sites: found.sites,
-        solves: found.solves,
-        converged: found.converged,
-        iterations: found.sweeps,
-        error_estimate: found.error_estimate,
-        compared: found.compared,
-        relative_l2: found.relative_l2,
-        worst_site: found.worst_site,
-        imbalance: found.imbalance,
-        suns_rms: None,
         least_light,
         most_light,
     }

@@ -14,6 +14,7 @@ use flb_format::mesh::{MESH_ERROR, MeshError};
 use flb_format::progress::Progress;
 use flb_format::{Field, Medium, SpeciesFields, SpeciesMeta, block, provenance};
 use rayon::prelude::*;
+use std::ops::RangeInclusive;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicUsize, Ordering};
 
@@ -173,16 +174,18 @@ fn unit_of_light(fields: &SpeciesFields, points: &[u32]) -> f32 {
         let sum: f64 = points.iter().map(|&site| f64::from(field.value(band, site as usize))).sum();
         sum / points.len().max(1) as f64
     };
-    let suns: Vec<(u8, &Field)> =
-        fields.bases.iter().filter(|(base, _)| *base > 0).map(|(base, field)| (*base, field)).collect();
-    let sum_over = |band: u32, counts: &dyn Fn(u8) -> bool| -> f64 {
-        suns.iter().filter(|(base, _)| counts(*base)).map(|(_, field)| mean_of(field, band)).sum()
+    let sum_over = |band: u32, items: RangeInclusive<u8>| -> f64 {
+        let counted = fields.bases.iter().filter(|(base, _)| items.contains(base));
+        counted.map(|(_, field)| mean_of(field, band)).sum()
     };
     let of_band = |band: u32| match light.suns.first_near_item() {
-        None => sum_over(band, &|_| true) / suns.len().max(1) as f64,
+        None => {
+            let suns = fields.bases.iter().filter(|(base, _)| *base > 0).count();
+            sum_over(band, 1..=u8::MAX) / suns.max(1) as f64
+        }
         Some(near) => {
-            let smooth = sum_over(band, &|base| base == 1);
-            if smooth > 0.0 { smooth } else { smooth + 0.5 * sum_over(band, &|base| base >= near) }
+            let smooth = sum_over(band, 1..=1);
+            if smooth > 0.0 { smooth } else { smooth + 0.5 * sum_over(band, near..=u8::MAX) }
         }
     };
     (0..fields.meta.band_count() as u32).map(of_band).fold(0.0, f64::max) as f32

@@ -4,13 +4,14 @@
 //! - [`lattice`]: Steele and Geist's lattice-Boltzmann solver of the `paper` model.
 //! - [`monte_carlo`]: photons traced in the same turbid medium; what the fields of [`ordinates`] are judged by.
 //! - [`cholesky`]: small systems of least squares.
-//! - [`extremes`]: ends that solves at the ends of their ranges must have.
+//! - [`extremes`]: the two solvers at the ends of their ranges.
 //! - [`gpu`]: the GPU that the first two may solve on.
 //! - [`turbid`]: the medium's optics, which the first and the last share.
 #![forbid(unsafe_code)]
 #![deny(clippy::print_stdout, clippy::print_stderr)] // cli/src/print.rs alone prints
 
 pub mod cholesky;
+mod ends;
 pub mod extremes;
 pub mod gpu;
 pub mod lattice;

@@ -14,27 +14,19 @@ use super::reference::{Entering, Reference};
 use super::refine::Refined;
 use super::suns::SolvePlan;
 use super::{OrdinatesError, OrdinatesSettings, OrdinatesSolution, SunBasis, beams_of, solve};
-use crate::extremes::{self, End, Outcome, range_of};
+use crate::ends::{End, Limits, Measured, Outcome, compared_bands, range_of};
 use crate::turbid::BandScatter;
 
-/// Largest relative L2 error of the light of a sun or of the sky that is said to have converged.
-pub const MAX_L2: f64 = 1e-2;
-/// Largest difference at any non-empty site of such light, relative to its mean.
-pub const MAX_AT_A_SITE: f64 = 3e-2;
-/// Largest energy imbalance of such light.
-pub const MAX_IMBALANCE: f64 = 2e-2;
-/// An error estimate may be too small by this factor ...
-pub const MAX_UNDERESTIMATE: f64 = 4.0;
-/// ... and by what places within sites lose in eight bits, and sums in f32, relative to all light.
-pub const ROUNDING: f64 = 1e-3;
+/// Limits of the light of suns and of the sky that is said to have converged. Rounding is what places within sites lose
+/// in eight bits, and sums in f32.
+pub(crate) const LIMITS: Limits =
+    Limits { l2: 1e-2, at_a_site: 3e-2, imbalance: 2e-2, underestimate: 4.0, rounding: 1e-3 };
 
 /// Largest step, relative to the light, at which the oracle has come to its end.
 const REFERENCE_TOLERANCE: f64 = 1e-6;
 const REFERENCE_STEPS: u32 = 20_000;
 /// Fields that are held against the oracle where the suns are the lattice's: the sky, and one sun of each kind.
 const COMPARED_SUNS: [u8; 3] = [4, 7, 18];
-/// Bands that are held against it: so many, evenly over all of them.
-const COMPARED_BANDS: usize = 3;
 
 /// A solve with extreme matter, optics or settings.
 pub struct Case {
@@ -50,38 +42,9 @@ pub struct Case {
     pub end: End,
 }
 
-/// Errors and work measured on a case: the worst of all bands, errors of the light that was compared.
-#[derive(Debug, Clone, PartialEq, Default)]
-pub struct Measured {
-    /// Non-empty sites.
-    pub sites: usize,
-    /// Number of bands.
-    pub bands: usize,
-    /// Bands of which all light converged.
-    pub converged: usize,
-    /// Largest number of passes.
-    pub passes: u32,
-    /// Lights that were held against the oracle.
-    pub compared: usize,
-    /// Largest error estimate.
-    pub error_estimate: f64,
-    /// Largest L2 error against the oracle, relative to all light, the beam with it.
-    pub relative_l2: f64,
-    /// Largest difference at a non-empty site, relative to the mean of all light.
-    pub worst_site: f64,
-    /// Largest share of the light that is met and neither leaves nor is absorbed, without its sign.
-    pub imbalance: f64,
-    /// Largest error of the fit or the blend over suns that were held out, as the solver states it.
-    pub suns_rms: Option<f64>,
-    /// Smallest and largest fluence of the sky, and of suns that have fields of their own; NaN if any is not finite.
-    pub range: [f32; 2],
-}
-
 /// Solves a case and holds it against the oracle.
-pub fn run(case: &Case) -> Outcome<Measured, OrdinatesError> {
-    let measured = measure(case);
-    let faults = judge(case, &measured);
-    Outcome { name: case.name, measured, faults }
+pub fn run(case: Case) -> Outcome {
+    Outcome::new(case.name, case.end, measure(&case), &LIMITS)
 }
 
 fn measure(case: &Case) -> Result<Measured, OrdinatesError> {
@@ -94,17 +57,15 @@ fn measure(case: &Case) -> Result<Measured, OrdinatesError> {
     };
     let mut measured = Measured {
         sites: medium.sites().len(),
-        bands: bands.len(),
+        solves: bands.len(),
         converged: reports.iter().filter(|report| report.converged).count(),
-        passes: reports.iter().map(|report| report.passes).max().unwrap_or(0),
+        iterations: reports.iter().map(|report| report.passes).max().unwrap_or(0),
         error_estimate: reports.iter().map(|report| report.error_estimate).fold(0.0, f64::max),
         suns_rms: reports.iter().filter_map(|report| report.suns_rms).reduce(f64::max),
         range: range_of(solution.fields[..with_fields].iter().flat_map(|(_, field)| field.values().to_vec())),
         ..Measured::default()
     };
-    let compared = COMPARED_BANDS.min(bands.len());
-    for at in 0..compared {
-        let band = at * (bands.len() - 1) / (compared - 1).max(1);
+    for band in compared_bands(bands.len()) {
         if reports[band].converged && measured.sites > 0 {
             compare(case, &solution, band, &mut measured);
         }
@@ -170,48 +131,9 @@ fn compare(case: &Case, solution: &OrdinatesSolution, band: usize, measured: &mu
     }
 }
 
-fn judge(case: &Case, measured: &Result<Measured, OrdinatesError>) -> Vec<String> {
-    extremes::faults(case.end, measured, |found, faults| {
-        faults.expect_light(found.range);
-        faults.expect_converged(case.end, found.converged, found.bands);
-        if case.end == End::Converges {
-            let estimate = MAX_UNDERESTIMATE * found.error_estimate + ROUNDING;
-            faults.expect_at_most([
-                ("L2 error", found.relative_l2, MAX_L2),
-                ("L2 error against the estimate", found.relative_l2, estimate),
-                ("error at a site", found.worst_site, MAX_AT_A_SITE),
-                ("energy imbalance", found.imbalance, MAX_IMBALANCE),
-            ]);
-        }
-    })
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
-
-    #[test]
-    fn a_wrong_end_is_a_fault() {
-        let all = cases();
-        let tree = all.iter().find(|case| case.name == "a tree, green light").expect("a case of this name");
-        let outcome = run(tree);
-        assert!(outcome.faults.is_empty());
-        let found = outcome.measured.unwrap();
-        assert_eq!((found.compared, found.suns_rms), (4, None));
-        let spoil = |change: &dyn Fn(&mut Measured)| {
-            let mut spoilt = found.clone();
-            change(&mut spoilt);
-            judge(tree, &Ok(spoilt)).len()
-        };
-        assert_eq!(spoil(&|_| {}), 0);
-        assert_eq!(spoil(&|m| m.range = [f32::NAN; 2]), 1);
-        assert_eq!(spoil(&|m| m.range[0] = -1e-9), 1);
-        assert_eq!(spoil(&|m| m.converged = 0), 1);
-        assert_eq!(spoil(&|m| (m.relative_l2, m.error_estimate) = (9e-3, 1e-3)), 1);
-        assert_eq!(spoil(&|m| m.worst_site = 0.1), 1);
-        assert_eq!(spoil(&|m| m.imbalance = 0.1), 1);
-        assert_eq!(judge(tree, &Err(OrdinatesError::Bands(0))).len(), 1);
-    }
 
     /// The oracle finds what the solver gets wrong.
     #[test]

@@ -80,8 +80,12 @@ pub(super) fn turned<const B: usize>(
                 let of_facets = of_facets.filter(|_| matter.are_leaves[i]);
                 march.leaves.scattered(matter.phases[i], of_facets, from[lane], to) as f32
             };
-            let lane = |matter, i, lane| if lane < from.len() { of_beam(matter, i, lane) } else { 0.0 };
-            matter.map(|matter| std::array::from_fn(|i| Lanes(std::array::from_fn(|at| lane(matter, i, at)))))
+            let lanes = |matter, i| {
+                Lanes(std::array::from_fn(
+                    |lane| if lane < from.len() { of_beam(matter, i, lane) } else { 0.0 },
+                ))
+            };
+            matter.map(|matter| std::array::from_fn(|i| lanes(matter, i)))
         })
     };
     let mut turned: Vec<Turned<B>> = march.axes.par_iter().map(scattered).collect();

@@ -174,18 +174,20 @@ impl<'a> Reference<'a> {
 
     /// Solves until the steps are below `tolerance` of the light, or `most` are done.
     pub(super) fn solve(&self, entering: Entering, tolerance: f64, most: u32) -> ExactLight {
-        let none = |_: &Rays, _: &Segment| [0.0; 2];
-        let (direct, first, met) = match entering {
+        // What is met, and what of it leaves or is absorbed at its first scattering.
+        let (direct, first, met, gone_at_once) = match entering {
             Entering::Sky => {
-                let (direct, passes) = self.march(&none, 1.0);
+                let (direct, passes) = self.march(&|_, _, _| [0.0; 2], 1.0);
                 let all: f64 = self.rays.iter().map(|rays| rays.weight * rays.ray_m2 * rays.count()).sum();
                 let first = self.arrives(&direct).0;
-                (direct, first, all - passes)
+                // What is scattered of it leaves with the rest.
+                (direct, first, all - passes, 0.0)
             }
             Entering::Beam(beam) => {
-                let met = self.absorbed_of(beam, |_| 1.0);
+                let met = self.met_of(beam, |_| 1.0);
                 let none = vec![[0.0; MOMENTS]; self.sites.len()];
-                (none, self.first(beam), met)
+                let (first, leaves) = self.first(beam);
+                (none, first, met, leaves + self.met_of(beam, |albedo| 1.0 - albedo))
             }
         };
         let own = self.own();
@@ -213,21 +215,12 @@ impl<'a> Reference<'a> {
             .zip(&direct)
             .map(|(light, direct)| std::array::from_fn(|a| light[a] + direct[a]))
             .collect();
-        let gone = match entering {
-            // What is scattered of the sky's own light leaves with the rest.
-            Entering::Sky => self.arrives(&all).1,
-            Entering::Beam(beam) => {
-                self.first_and_what_leaves(beam).1
-                    + self.arrives(&all).1
-                    + self.absorbed_of(beam, |albedo| 1.0 - albedo)
-            }
-        };
         let moment = extinction_moment(&self.medium.angles);
         ExactLight {
             fluence: all.iter().map(|light| light[0]).collect(),
             ended,
             met,
-            gone,
+            gone: gone_at_once + self.arrives(&all).1,
             absorbs: self.sites.iter().map(|&site| self.absorbs(site as usize)).collect(),
             beyond: all.iter().map(|light| moment * up_moment(light)).collect(),
         }
@@ -267,7 +260,7 @@ impl<'a> Reference<'a> {
     }
 
     /// Power of a beam that is met, times a function of the albedo of what meets it.
-    fn absorbed_of(&self, beam: &Beam, share: impl Fn(f64) -> f64) -> f64 {
+    fn met_of(&self, beam: &Beam, share: impl Fn(f64) -> f64) -> f64 {
         let volume = self.site_m3();
         let more = self.leaves.relative(beam.towards_sun);
         let of_site = |(&site, light): (&u32, &f32)| {
@@ -279,14 +272,8 @@ impl<'a> Reference<'a> {
         self.sites.iter().zip(&beam.mean).map(of_site).sum::<f64>() * volume
     }
 
-    /// Light that a beam's first scattering sends everywhere.
-    fn first(&self, beam: &Beam) -> Light {
-        let mut first = self.first_and_what_leaves(beam).0;
-        first.iter_mut().for_each(|light| light[0] = light[0].max(0.0));
-        first
-    }
-
-    fn first_and_what_leaves(&self, beam: &Beam) -> (Light, f64) {
+    /// Light that a beam's first scattering sends everywhere, and how much of it leaves.
+    fn first(&self, beam: &Beam) -> (Light, f64) {
         let phases = [self.scatter.leaf.phase, self.scatter.wood.phase];
         let from = beam.towards_sun.map(|c| -c);
         let leans = |i: usize, direction| if i == 0 { self.leaves.relative(direction) } else { 1.0 };
@@ -311,7 +298,9 @@ impl<'a> Reference<'a> {
             let middle = f64::from(beam.mean[segment.place]) + along(segment.offset);
             [share * middle, share * along(rays.direction) * segment.length]
         };
-        self.march_each(&source, 0.0)
+        let (mut first, leaves) = self.march(&source, 0.0);
+        first.iter_mut().for_each(|light| light[0] = light[0].max(0.0));
+        (first, leaves)
     }
 
     /// What arrives of light, scattered once more, and how much of it leaves.
@@ -324,20 +313,16 @@ impl<'a> Reference<'a> {
             source
         });
         let sources: Light = sources.collect();
-        let source = |rays: &Rays, segment: &Segment| {
+        let source = |_, rays: &Rays, segment: &Segment| {
             let of_site = &sources[segment.place][..self.moments()];
             [rays.moments.iter().zip(of_site).map(|(y, source)| y * source).sum(), 0.0]
         };
         self.march(&source, 0.0)
     }
 
-    fn march(&self, source: &(impl Fn(&Rays, &Segment) -> [f64; 2] + Sync), enters: f64) -> (Light, f64) {
-        self.march_each(&|_, rays, segment| source(rays, segment), enters)
-    }
-
     /// Light that `source`, at the middle of a segment and by how much it rises along it, sends everywhere, with that
     /// which enters; and the power that leaves.
-    fn march_each(
+    fn march(
         &self,
         source: &(impl Fn(usize, &Rays, &Segment) -> [f64; 2] + Sync),
         enters: f64,

@@ -6,7 +6,7 @@ use flb_format::matter::{BandOptics, Class, ClassOptics, Optics};
 use super::super::media;
 use super::Case;
 use super::shapes::{hollow, solid};
-use crate::extremes::End;
+use crate::ends::End;
 
 /// Scatters back only and absorbs nothing for good: the papers' wood.
 const BACK: ClassOptics = ClassOptics { sigma_a: 0.1, g: -1.0 };

@@ -1,8 +1,7 @@
 //! Outcomes -> the markdown table of docs/extremes.md.
 
-use super::{MAX_AT_A_SITE, MAX_IMBALANCE, MAX_L2, MAX_UNDERESTIMATE, Measured};
-use crate::extremes::{Outcome, short};
-use crate::lattice::SolveError;
+use super::LIMITS;
+use crate::ends::{Limits, Outcome, short};
 
 /// Header of the table of outcomes.
 pub const HEADER: &str = "\
@@ -11,11 +10,11 @@ pub const HEADER: &str = "\
 ";
 
 /// Formats one outcome as a row, with its line end.
-pub fn row(outcome: &Outcome<Measured, SolveError>) -> String {
+pub fn row(outcome: &Outcome) -> String {
     let (Outcome { name, measured, .. }, verdict) = (outcome, outcome.verdict());
     match measured {
         Err(error) => {
-            format!("| {name} | | | | | | | | | | refused, {verdict}: {} |\n", short(&error.to_string()))
+            format!("| {name} | | | | | | | | | | refused, {verdict}: {} |\n", short(error))
         }
         Ok(found) => {
             let [low, high] = found.range;
@@ -29,7 +28,7 @@ pub fn row(outcome: &Outcome<Measured, SolveError>) -> String {
                 found.sites,
                 found.converged,
                 found.solves,
-                found.sweeps,
+                found.iterations,
                 found.error_estimate,
                 errors[0],
                 errors[1],
@@ -41,13 +40,14 @@ pub fn row(outcome: &Outcome<Measured, SolveError>) -> String {
 
 /// Describes the columns and the limits that are asked of them.
 pub fn legend() -> String {
+    let Limits { l2, at_a_site, imbalance, underestimate, .. } = LIMITS;
     format!(
         "\
 Every case is solved for 19 bases in all its bands, with default settings. The worst of all of them stands in the table.
 Converged: solves, of all, whose estimated error reached the tolerance. L2 error (over the non-empty sites, relative) and worst site:
 against the fixed point in f64, of one base of each kind in up to three bands. Imbalance: light that entered and neither left nor was
-absorbed, as a share. Asked of a case that must converge: L2 error up to {MAX_L2:.0e}, and up to {MAX_UNDERESTIMATE} times the estimate; worst
-site up to {MAX_AT_A_SITE:.0e}; imbalance up to {MAX_IMBALANCE:.0e}. Of every case that is solved: phi finite and never below 0.
+absorbed, as a share. Asked of a case that must converge: L2 error up to {l2:.0e}, and up to {underestimate} times the estimate; worst
+site up to {at_a_site:.0e}; imbalance up to {imbalance:.0e}. Of every case that is solved: phi finite and never below 0.
 "
     )
 }

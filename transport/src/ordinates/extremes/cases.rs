@@ -5,7 +5,7 @@ use flb_format::matter::{INCLINATIONS, LeafAngles, TurbidMedium};
 use super::super::{FieldKind, Ordinates, OrdinatesSettings, SunBasis, ico12, ico42};
 use super::Case;
 use super::media::{ALL, N, filled, hollow, solid, tree};
-use crate::extremes::End;
+use crate::ends::End;
 use crate::turbid::{BandScatter, Phase, Scatter};
 
 /// One unit in the last place inside 1.
