@@ -19,7 +19,7 @@ fn gpu_and_cpu(criterion: &mut Criterion) {
         group.sample_size(10);
         let medium = media::tree(lattice, 7);
         let optics = Optics::paper();
-        for solver in [SolverKind::Sweep, SolverKind::Gpu] {
+        for solver in [SolverKind::Sweep, SolverKind::GPU] {
             let settings = SolveSettings { solver, ..SolveSettings::default() };
             let run = || solve(&medium, &optics, &settings, &|_| Ok(())).expect("it can be solved");
             let ambient = run().reports[0];

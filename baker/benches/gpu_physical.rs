@@ -1,5 +1,6 @@
 //! Seconds per solve of the `physical` model on the built-in oak, with the default settings and three bands: the cores
-//! and the GPU side by side, and how far apart their fields are.
+//! and the GPU side by side, how far apart their fields are, and several GPUs of a kind
+//! beside one.
 //!
 //! `cargo bench -p flb-baker --features gpu --bench gpu_physical [-- once LATTICE ...]`; without any, lattices 32 and
 //! 64. The fastest of three solves counts, or the only one with `once`: software that stands in for a GPU takes long.
@@ -13,7 +14,7 @@ use flb_format::matter::TurbidMedium;
 use flb_scene::classify::classify;
 use flb_scene::import::import;
 use flb_scene::{ClassRules, ImportSettings, Mesh};
-use flb_transport::gpu::find_gpu;
+use flb_transport::gpu::{find_gpu, find_gpus};
 use flb_transport::ordinates::{Backend, OrdinatesSettings, OrdinatesSolution, rays_for, solve};
 use flb_transport::turbid::{BandScatter, Phase, Scatter};
 
@@ -29,12 +30,17 @@ fn main() {
     for lattice in lattices {
         let medium = crown(&mesh, lattice);
         let [(cpu, on_cpu), (gpu, on_gpu)] =
-            [Backend::Cpu, Backend::Gpu].map(|backend| best(&medium, backend, tries));
+            [Backend::Cpu, Backend::GPU].map(|backend| best(&medium, backend, tries));
         println!(
             "lattice {lattice}, {} sites: {cpu:.2} s on the cores, {gpu:.2} s on the GPU; fields {:.1e} of the mean apart",
             medium.sites().len(),
             apart(&medium, &on_cpu, &on_gpu)
         );
+        for most in 2..=find_gpus(ALBEDOS.len()).map_or(1, |gpus| gpus.len()) {
+            let (shared, by_all) = best(&medium, Backend::Gpu { most }, tries);
+            assert!(by_all == on_gpu, "GPUs of a kind compute the same bytes");
+            println!("  {most} GPUs: {shared:.2} s, {:.2} times one", gpu / shared);
+        }
     }
 }
 

@@ -21,6 +21,26 @@ pub fn find() -> Result<Found, DeviceError> {
     adapter().map(|(_, found)| found)
 }
 
+/// The GPUs that [`Gpu::open_alike`](crate::Gpu::open_alike) would open.
+///
+/// # Errors
+/// [`DeviceError::NoAdapter`].
+pub fn find_alike(most: usize) -> Result<Vec<Found>, DeviceError> {
+    Ok(alike(most)?.into_iter().map(|(_, found)| found).collect())
+}
+
+/// The GPU that wgpu ranks highest and others of its name, one at least.
+pub(crate) fn alike(most: usize) -> Result<Vec<(wgpu::Adapter, Found)>, DeviceError> {
+    if most <= 1 {
+        return Ok(vec![adapter()?]);
+    }
+    let mut all = adapters()?;
+    let kind = all[0].1.clone();
+    all.retain(|(_, found)| *found == kind);
+    all.truncate(most);
+    Ok(all)
+}
+
 /// OpenGL is asked only where nothing better is there: its drivers talk on stderr.
 pub(crate) fn adapter() -> Result<(wgpu::Adapter, Found), DeviceError> {
     let wanted = wgpu::InstanceDescriptor::new_without_display_handle_from_env().backends;

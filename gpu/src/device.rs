@@ -56,11 +56,17 @@ impl Gpu {
     /// # Errors
     /// As [`Gpu::open`].
     pub fn open_with_buffers(wanted: wgpu::Features, most_bytes: u64) -> Result<Gpu, DeviceError> {
-        open(wanted, |offered| wgpu::Limits {
-            max_storage_buffer_binding_size: offered.max_storage_buffer_binding_size.min(most_bytes),
-            max_buffer_size: offered.max_buffer_size.min(most_bytes),
-            ..wgpu::Limits::default()
-        })
+        open(wanted, |offered| with_buffers(offered, most_bytes))
+    }
+
+    /// Opens the GPU of [`Gpu::open_with_buffers`] and others of its kind, up to so many as are asked for and as there
+    /// are: at least one. They compute the same bytes.
+    ///
+    /// # Errors
+    /// As [`Gpu::open`], of any of them.
+    pub fn open_alike(wanted: wgpu::Features, most_bytes: u64, most: usize) -> Result<Vec<Gpu>, DeviceError> {
+        let all = adapter::alike(most)?.into_iter();
+        all.map(|one| open_on(one, wanted, |offered| with_buffers(offered, most_bytes))).collect()
     }
 
     /// Watches a device that is open already, as a renderer's. The handlers of its errors are replaced.
@@ -91,6 +97,14 @@ impl Gpu {
 
     pub(crate) fn failed(&self, message: String) -> DeviceError {
         DeviceError::Failed { adapter: self.name.clone(), message }
+    }
+}
+
+fn with_buffers(offered: wgpu::Limits, most_bytes: u64) -> wgpu::Limits {
+    wgpu::Limits {
+        max_storage_buffer_binding_size: offered.max_storage_buffer_binding_size.min(most_bytes),
+        max_buffer_size: offered.max_buffer_size.min(most_bytes),
+        ..wgpu::Limits::default()
     }
 }
 

@@ -16,7 +16,7 @@ mod device;
 mod error;
 mod wait;
 
-pub use adapter::{Found, find};
+pub use adapter::{Found, find, find_alike};
 pub use device::Gpu;
 pub use error::DeviceError;
 

@@ -4,6 +4,8 @@
 pub(crate) mod buffers;
 #[cfg(feature = "gpu")]
 pub(crate) mod pipelines;
+#[cfg(feature = "gpu")]
+pub(crate) mod share;
 #[cfg(all(test, feature = "gpu"))]
 pub(crate) mod wgsl;
 
@@ -16,6 +18,18 @@ use thiserror::Error;
 pub fn find_gpu() -> Result<String, GpuError> {
     #[cfg(feature = "gpu")]
     return Ok(flb_gpu::find()?.name);
+    #[cfg(not(feature = "gpu"))]
+    Err(GpuError::NotBuilt)
+}
+
+/// Names of the GPUs that share a solve, at most so many: the one that [`find_gpu`] names, and others of its kind, so
+/// that the light is the same whichever does a part of it.
+///
+/// # Errors
+/// As [`find_gpu`].
+pub fn find_gpus(most: usize) -> Result<Vec<String>, GpuError> {
+    #[cfg(feature = "gpu")]
+    return Ok(flb_gpu::find_alike(most)?.into_iter().map(|found| found.name).collect());
     #[cfg(not(feature = "gpu"))]
     Err(GpuError::NotBuilt)
 }

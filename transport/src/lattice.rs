@@ -57,7 +57,21 @@ pub enum SolverKind {
     Literal,
     /// Iteration over the non-empty sites on a GPU, f32; stops on its residual, which falls more slowly than that of
     /// sweeps. Its bytes may differ from one kind of GPU to another, within rounding. Needs the feature `gpu`.
-    Gpu,
+    Gpu {
+        /// Most GPUs of one kind that share the bases of a solve ([`find_gpus`](crate::gpu::find_gpus)); they change no
+        /// bit of it.
+        most: usize,
+    },
+}
+
+impl SolverKind {
+    /// The GPU that is ranked highest.
+    pub const GPU: SolverKind = SolverKind::Gpu { most: 1 };
+
+    /// Whether a GPU solves.
+    pub fn is_gpu(self) -> bool {
+        matches!(self, SolverKind::Gpu { .. })
+    }
 }
 
 /// Number of iterations that a solve does, whatever its error is by then.
@@ -174,9 +188,9 @@ pub fn solve(
         SolverKind::Explicit => explicit::solve(medium, optics, settings, progress)?,
         SolverKind::Literal => literal::solve(medium, optics, settings, progress)?,
         #[cfg(feature = "gpu")]
-        SolverKind::Gpu => gpu::solve(medium, optics, settings, progress)?,
+        SolverKind::Gpu { .. } => gpu::solve(medium, optics, settings, progress)?,
         #[cfg(not(feature = "gpu"))]
-        SolverKind::Gpu => return Err(GpuError::NotBuilt.into()),
+        SolverKind::Gpu { .. } => return Err(GpuError::NotBuilt.into()),
     };
     progress(1.0)?;
     Ok(solution)

@@ -78,7 +78,7 @@ pub fn error_of(solution: &OrdinatesSolution) -> LightError {
 /// # Errors
 /// No GPU.
 pub(super) fn gpu_of(settings: &OrdinatesSettings) -> Result<Option<String>, BakeError> {
-    let gpu = (settings.backend == Backend::Gpu).then(find_gpu).transpose();
+    let gpu = settings.backend.is_gpu().then(find_gpu).transpose();
     Ok(gpu.map_err(OrdinatesError::Gpu)?)
 }
 
@@ -86,7 +86,7 @@ pub(super) fn gpu_of(settings: &OrdinatesSettings) -> Result<Option<String>, Bak
 pub(super) fn solver_name(settings: &OrdinatesSettings) -> &'static str {
     match settings.backend {
         Backend::Cpu => "ordinates",
-        Backend::Gpu => "ordinates-gpu",
+        Backend::Gpu { .. } => "ordinates-gpu",
     }
 }
 

@@ -31,7 +31,7 @@ pub(super) fn bake(
     let (kept, left_out) = settings.wanted.choose(&names, work.species)?;
     let optics = Optics { bands: kept.into_iter().map(|band| all.bands[band].clone()).collect() };
     let solve = paper.solve(settings.wanted.bases);
-    let gpu = (solve.solver == SolverKind::Gpu).then(find_gpu).transpose()?;
+    let gpu = solve.solver.is_gpu().then(find_gpu).transpose()?;
     let mut meta = describe(&plant, &voxels, Model::Paper { optics: optics.clone() });
     record(&mut meta, &solve, settings.lattice);
     meta.leave_out(solve.bases.missing(), &left_out, &settings.wanted.reason);
@@ -63,7 +63,7 @@ pub fn solver_name(solver: SolverKind) -> &'static str {
         SolverKind::Sweep => "sweep",
         SolverKind::Explicit => "explicit",
         SolverKind::Literal => "literal",
-        SolverKind::Gpu => "gpu",
+        SolverKind::Gpu { .. } => "gpu",
     }
 }
 

@@ -4,7 +4,9 @@ use std::path::PathBuf;
 
 use clap::{ArgAction, Args, ValueEnum};
 use flb_files::Existing;
+use flb_stage::backend::GpuCount;
 
+use super::gpu_count::gpu_count;
 use super::values::existing;
 use super::{CodingArgs, MeshArgs, ModelArgs};
 use flb_format::Quality;
@@ -54,6 +56,10 @@ pub(crate) struct BakeArgs {
     /// to another
     #[arg(long, value_enum, default_value_t = BackendArg::Cpu)]
     pub backend: BackendArg,
+    /// GPUs of one kind that share the solves, with `--backend gpu` or `auto`: so many, or `all`. Each takes band after
+    /// band, or with `paper` base after base; the bytes are those of one [default: 1]
+    #[arg(long, value_name = "N|all", value_parser = gpu_count)]
+    pub gpus: Option<GpuCount>,
     /// Solver of the transport on the CPU; `paper` only. `literal` is the papers' iteration in f64, slow, for comparing
     #[arg(long, value_enum, default_value_t = SolverArg::Auto)]
     pub solver: SolverArg,

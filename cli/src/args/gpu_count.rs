@@ -1,4 +1,4 @@
-//! `--gpus` of `flb render`: how many GPUs draw a scene together.
+//! `--gpus`: how many GPUs draw a scene together, or share a bake.
 
 use flb_stage::backend::GpuCount;
 

@@ -40,6 +40,9 @@ pub(crate) fn check_settings(args: &BakeArgs) -> Result<(), Failure> {
         let message = "--solver chooses among the solvers of the CPU, and --backend gpu (or auto) has its own: leave one of them out";
         return refuse(message.to_owned());
     }
+    if args.gpus.is_some() && args.backend == BackendArg::Cpu {
+        return refuse("--gpus is for --backend gpu or auto; this bake is on the CPU".to_owned());
+    }
     let (names, meshes) = (args.name.len(), args.meshes.len());
     if names != 0 && names != meshes {
         return refuse(format!(

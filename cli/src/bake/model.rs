@@ -3,13 +3,15 @@
 use flb_baker::bake::{ModelSettings, PaperSettings, PhysicalSettings, SunChoice};
 use flb_format::Quality;
 use flb_format::light::FieldKind;
+use flb_stage::backend::GpuCount;
+use flb_transport::gpu::find_gpus;
 use flb_transport::lattice::{SolverKind, Steps, find_gpu};
-use flb_transport::ordinates::{Backend, MAX_RAYS};
+use flb_transport::ordinates::{Backend, MAX_RAYS, OrdinatesError};
 
 use super::limits::{check_end, ordinates_of};
 use crate::args::{BackendArg, BakeArgs, ModelArg, SolverArg};
 use crate::classes::MeshReader;
-use crate::exit::{Failure, USAGE};
+use crate::exit::{Failure, UNSUPPORTED, USAGE};
 use crate::print::say;
 
 /// The model of `--model`, else of `--quality`.
@@ -50,7 +52,7 @@ fn paper(args: &BakeArgs) -> Result<PaperSettings, Failure> {
     Ok(PaperSettings {
         steps,
         solver: match args.solver {
-            SolverArg::Auto if on_gpu(args) => SolverKind::Gpu,
+            SolverArg::Auto if on_gpu(args) => SolverKind::Gpu { most: most_gpus(args) },
             SolverArg::Auto if steps.is_some() => SolverKind::Explicit,
             SolverArg::Auto | SolverArg::Sweep => SolverKind::Sweep,
             SolverArg::Explicit => SolverKind::Explicit,
@@ -96,7 +98,7 @@ fn physical(args: &BakeArgs) -> Result<PhysicalSettings, Failure> {
         tolerance,
         max_passes: args.max_sweeps,
         monte_carlo_suns: flags.monte_carlo.into(),
-        backend: if on_gpu(args) { Backend::Gpu } else { Backend::Cpu },
+        backend: if on_gpu(args) { Backend::Gpu { most: most_gpus(args) } } else { Backend::Cpu },
         keep_cloud: false,
     })
 }
@@ -122,10 +124,27 @@ fn on_gpu(args: &BakeArgs) -> bool {
     }
 }
 
-/// Says on stderr which GPU solves, where one is asked for, and where none that is hardware was found.
+/// GPUs that may share a solve.
+fn most_gpus(args: &BakeArgs) -> usize {
+    match args.gpus {
+        None => 1,
+        Some(GpuCount::All) => usize::MAX,
+        Some(GpuCount::Exactly(count)) => count,
+    }
+}
+
+/// Says on stderr which GPUs solve, where they are asked for, and where none that is hardware was found.
 pub(crate) fn say_device(args: &BakeArgs) -> Result<(), Failure> {
     if on_gpu(args) {
-        say!("solving on {}", find_gpu()?);
+        let gpus = find_gpus(most_gpus(args)).map_err(OrdinatesError::Gpu)?;
+        match args.gpus {
+            Some(GpuCount::Exactly(count)) if gpus.len() < count => {
+                let message =
+                    format!("--gpus {count}: found {} of one kind: {}", gpus.len(), gpus.join(", "));
+                return Err(Failure::new(UNSUPPORTED, message));
+            }
+            _ => say!("solving on {}", gpus.join(", ")),
+        }
     } else if args.backend == BackendArg::Auto {
         match find_gpu() {
             Ok(software) => say!("solving on the CPU: {software} is software"),

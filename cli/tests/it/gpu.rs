@@ -25,8 +25,11 @@ fn the_gpu_bakes_what_the_cpu_does() {
     let recorded = b"\"solve.solver\":\"gpu\"";
     assert!(folder.read("gpu.flb").windows(recorded.len()).any(|bytes| bytes == recorded));
 
-    bake("again.flb", &["--backend", "gpu", "--threads", "1"]);
+    bake("again.flb", &["--backend", "gpu", "--threads", "1", "--gpus", "all"]);
     assert!(folder.read("again.flb") == folder.read("gpu.flb"), "two runs on one GPU differ");
+    let words = ["bake", "shrub.glb", "-o", "no.flb", "--gpus", "64"];
+    folder.flb(&[&words[..], &["--backend", "gpu"]].concat()).says(&["--gpus 64: found 1 of one kind: "]);
+    folder.flb(&words).expect_code(2).says(&["--gpus is for --backend gpu or auto"]);
 }
 
 #[test]

@@ -67,7 +67,7 @@ pub(super) fn settings(settings: &SolveSettings) -> Result<(), SolveError> {
     }
     match (settings.steps, settings.solver) {
         (Some(Steps::Count(0) | Steps::PerEdge(0)), _) => return Err(SolveError::NoSteps),
-        (Some(_), solver @ (SolverKind::Sweep | SolverKind::Gpu)) => {
+        (Some(_), solver @ (SolverKind::Sweep | SolverKind::Gpu { .. })) => {
             return Err(SolveError::Steps { solver });
         }
         _ => {}

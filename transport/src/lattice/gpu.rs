@@ -25,12 +25,14 @@ use rayon::prelude::*;
 
 use super::dense::{self, Output};
 use super::error::SolveError;
+use super::groups::Target;
 use super::kernel::{LANES, Lanes};
 use super::sites::{self, Sites};
 use super::sweep::{self, LANES_WRITTEN, Meter};
-use super::{Solution, SolveSettings, finish, solved_bases};
+use super::{BaseReport, Solution, SolveSettings, SolverKind, finish, solved_bases};
+use crate::gpu::share::share;
 use device::Gpu;
-use relax::Light;
+use relax::{Light, SharedBuffers};
 
 /// All bases of all bands. Input as [`solve`](super::solve) has checked it. An iteration counts as a sweep.
 pub(super) fn solve(
@@ -39,13 +41,15 @@ pub(super) fn solve(
     settings: &SolveSettings,
     progress: &Progress<'_>,
 ) -> Result<Solution, SolveError> {
-    let gpu = device::open()?;
-    solve_on(&gpu, gpu.opened.largest_buffer_bytes(), medium, optics, settings, progress)
+    let SolverKind::Gpu { most } = settings.solver else { unreachable!("asked for by that solver") };
+    let gpus = device::open(most)?;
+    let buffer_bytes = gpus.iter().map(|gpu| gpu.opened.largest_buffer_bytes()).min();
+    solve_on(&gpus, buffer_bytes.unwrap_or(0), medium, optics, settings, progress)
 }
 
 /// The same with buffers of `buffer_bytes` at most.
 fn solve_on(
-    gpu: &Gpu,
+    gpus: &[Gpu],
     buffer_bytes: u64,
     medium: &Medium,
     optics: &Optics,
@@ -55,27 +59,29 @@ fn solve_on(
     let bands = optics.bands.len() as u32;
     // One domain: cuts serve threads of a CPU.
     let sites = sites::find(medium, usize::MAX);
-    let fit = relax::lanes_that_fit(gpu, sites.count, buffer_bytes)?;
+    let fit = relax::lanes_that_fit(&gpus[0], sites.count, buffer_bytes)?;
     let mut fields: Vec<(u8, Field)> =
         solved_bases(settings).iter().map(|base| (base, Field::zeros(medium.grid.lattice, bands))).collect();
     let mut targets = sweep::targets(&mut fields, medium.grid.sites());
-    let groups = targets.len().div_ceil(fit);
+    // One for each GPU at least, of a run of lanes at least.
+    let groups = targets.len().div_ceil(fit).max(gpus.len().min(targets.len().div_ceil(LANES)));
     let meter = Meter::new(groups, settings.tolerance, progress);
-    let matter = relax::upload(gpu, &sites)?;
-    let mut reports = Vec::new();
     let per_group = targets.len().div_ceil(groups);
-    for (group, targets) in targets.chunks_mut(per_group).enumerate() {
+    let of_group = |gpu: &Gpu, matter: &SharedBuffers, (group, targets): (usize, &mut [Target<'_>])| {
         let tick = |residual: f64, iterations: u32| {
             meter.tick(group, residual, f64::from(iterations) / f64::from(settings.max_sweeps))
         };
         let lanes: Vec<(u8, u32)> = targets.iter().map(|target| (target.base, target.band)).collect();
-        let (light, courses) = relax::relax(gpu, &matter, &sites, optics, &lanes, settings, &tick)?;
+        let (light, courses) = relax::relax(gpu, matter, &sites, optics, &lanes, settings, &tick)?;
         let outputs: Vec<&mut [f32]> = targets.iter_mut().map(|target| &mut *target.output).collect();
         write(&sites, &light, &lanes, outputs);
-        let of_group = lanes.iter().zip(courses);
-        reports.extend(of_group.map(|(&(base, band), course)| course.report(base, band, settings)));
-    }
-    Ok(finish(medium, bands, settings, fields, reports))
+        let of_lane = lanes.iter().zip(courses);
+        Ok(of_lane.map(|(&(base, band), course)| course.report(base, band, settings)).collect())
+    };
+    let begin = |gpu: &Gpu| -> Result<SharedBuffers, SolveError> { Ok(relax::upload(gpu, &sites)?) };
+    let items = targets.chunks_mut(per_group).enumerate();
+    let reports: Vec<Vec<BaseReport>> = share(gpus, items, begin, of_group)?;
+    Ok(finish(medium, bands, settings, fields, reports.concat()))
 }
 
 /// The dense fields of a group.

@@ -17,14 +17,28 @@ pub enum Backend {
     Cpu,
     /// GPU that [`find_gpu`](crate::gpu::find_gpu) names. Its light is that of the cores within 1e-4, with the same
     /// bytes on the same GPU and driver. Needs the feature `gpu`.
-    Gpu,
+    Gpu {
+        /// Most GPUs of its kind that share the bands of a solve ([`find_gpus`](crate::gpu::find_gpus)); they change no
+        /// bit of it.
+        most: usize,
+    },
+}
+
+impl Backend {
+    /// The GPU that is ranked highest.
+    pub const GPU: Backend = Backend::Gpu { most: 1 };
+
+    /// Whether a GPU solves.
+    pub fn is_gpu(self) -> bool {
+        self != Backend::Cpu
+    }
 }
 
 /// A backend that is ready.
 pub(super) enum Marcher {
     Cpu,
     #[cfg(feature = "gpu")]
-    Gpu(Box<gpu::Gpu>),
+    Gpus(Vec<gpu::Gpu>),
 }
 
 impl Backend {
@@ -32,9 +46,9 @@ impl Backend {
         match self {
             Backend::Cpu => Ok(Marcher::Cpu),
             #[cfg(feature = "gpu")]
-            Backend::Gpu => Ok(Marcher::Gpu(Box::new(gpu::open()?))),
+            Backend::Gpu { most } => Ok(Marcher::Gpus(gpu::open(most)?)),
             #[cfg(not(feature = "gpu"))]
-            Backend::Gpu => Err(GpuError::NotBuilt),
+            Backend::Gpu { .. } => Err(GpuError::NotBuilt),
         }
     }
 }
@@ -50,7 +64,7 @@ impl Marcher {
         match self {
             Marcher::Cpu => Ok(scattering.scatter(bands, progress)?),
             #[cfg(feature = "gpu")]
-            Marcher::Gpu(gpu) => gpu.scatter(scattering, bands, progress),
+            Marcher::Gpus(gpus) => gpu::scatter(gpus, scattering, bands, progress),
         }
     }
 }

@@ -22,4 +22,5 @@ mod stages;
 mod tests;
 mod work;
 
+pub(super) use bands::scatter;
 pub(super) use device::{Gpu, open};

@@ -10,9 +10,13 @@ pub(super) struct Gpu {
     pub stages: Stages,
 }
 
-/// Opens the GPU that [`flb_gpu::find`] finds.
-pub(super) fn open() -> Result<Gpu, GpuError> {
-    let opened = flb_gpu::Gpu::open_with_buffers(wgpu::Features::empty(), MAX_BUFFER_BYTES)?;
+/// Opens the GPU that [`flb_gpu::find`] finds and others of its kind, up to so many.
+pub(super) fn open(most: usize) -> Result<Vec<Gpu>, GpuError> {
+    let all = flb_gpu::Gpu::open_alike(wgpu::Features::empty(), MAX_BUFFER_BYTES, most)?;
+    all.into_iter().map(with_stages).collect()
+}
+
+fn with_stages(opened: flb_gpu::Gpu) -> Result<Gpu, GpuError> {
     let stages = stages::compile(&opened.device);
     opened.check()?;
     Ok(Gpu { opened, stages })

@@ -3,6 +3,8 @@
 
 mod wgsl;
 
+use std::slice::from_ref;
+
 use flb_format::Medium;
 use flb_format::bases::BaseSet;
 use flb_format::matter::{Class, ClassOptics, Optics};
@@ -27,7 +29,7 @@ fn quiet(_: f64) -> Result<(), Cancelled> {
 
 fn gpu() -> Gpu {
     // The message says what to install.
-    device::open().unwrap_or_else(|error| panic!("{error}"))
+    device::open(1).unwrap_or_else(|error| panic!("{error}")).remove(0)
 }
 
 fn fine(solver: SolverKind) -> SolveSettings {
@@ -35,7 +37,7 @@ fn fine(solver: SolverKind) -> SolveSettings {
 }
 
 fn solved(medium: &Medium, optics: &Optics, settings: &SolveSettings) -> Solution {
-    solve_on(&gpu(), u64::MAX, medium, optics, settings, &quiet).unwrap()
+    solve_on(&[gpu()], u64::MAX, medium, optics, settings, &quiet).unwrap()
 }
 
 fn worst_difference(medium: &Medium, found: &Solution, expected: &Solution) -> f64 {
@@ -117,7 +119,7 @@ fn fields_equal_those_of_sweeps() {
         ("black", ball(16, 1.5, 5.0, 0.8), optics(ClassOptics { sigma_a: 1.0, g: 0.0 }, back(1.0))),
     ];
     for (name, medium, optics) in cases {
-        let settings = SolveSettings { max_sweeps: 2000, ..fine(SolverKind::Gpu) };
+        let settings = SolveSettings { max_sweeps: 2000, ..fine(SolverKind::GPU) };
         let found = solved(&medium, &optics, &settings);
         // In solid wood iterations end up going round within rounding errors.
         let is_done = |report: &BaseReport| report.converged || report.residual < f64::from(f32::EPSILON);
@@ -133,7 +135,7 @@ fn fields_equal_those_of_sweeps() {
 fn fields_equal_those_of_the_oracle() {
     let medium = media::tree(32, 7);
     let optics = Optics::paper();
-    let solution = solved(&medium, &optics, &fine(SolverKind::Gpu));
+    let solution = solved(&medium, &optics, &fine(SolverKind::GPU));
     for (base, band) in [(1, 0), (4, 2), (9, 1), (18, 2), (0, 1)] {
         let expected = oracle(&medium, &optics, band, base);
         let (_, rms) = differences(&medium, &solution.bases[usize::from(base)].1.band(band), &expected);
@@ -173,7 +175,7 @@ fn neither_groups_nor_repetition_change_the_bytes() {
     let settings = SolveSettings { bases, ..SolveSettings::default() };
     let gpu = gpu();
     let one_lane = relax_bytes(&medium);
-    let run = |bytes: u64| solve_on(&gpu, bytes, &medium, &optics, &settings, &quiet).unwrap();
+    let run = |bytes: u64| solve_on(from_ref(&gpu), bytes, &medium, &optics, &settings, &quiet).unwrap();
     let whole = run(u64::MAX);
     assert!(whole.reports.len() == 15 && whole.reports.iter().all(|report| report.converged));
     for lanes in [15, 6, 1] {
@@ -222,7 +224,8 @@ fn a_single_solve_that_does_not_fit_is_refused_with_both_numbers() {
     let medium = media::tree(32, 7);
     let gpu = gpu();
     let needed = relax_bytes(&medium);
-    let error = solve_on(&gpu, needed - 1, &medium, &one_band(0), &SolveSettings::default(), &quiet);
+    let error =
+        solve_on(from_ref(&gpu), needed - 1, &medium, &one_band(0), &SolveSettings::default(), &quiet);
     let text = error.unwrap_err().to_string();
     for part in [&gpu.opened.name, &needed.to_string(), &(needed - 1).to_string(), "non-empty sites"] {
         assert!(text.contains(part), "{text:?} should contain {part:?}");
@@ -234,8 +237,8 @@ fn a_lost_gpu_is_an_error() {
     let gpu = gpu();
     gpu.opened.device.destroy();
     let medium = media::tree(16, 3);
-    let error =
-        solve_on(&gpu, u64::MAX, &medium, &one_band(0), &SolveSettings::default(), &quiet).unwrap_err();
+    let error = solve_on(from_ref(&gpu), u64::MAX, &medium, &one_band(0), &SolveSettings::default(), &quiet)
+        .unwrap_err();
     let is_lost =
         |error: &GpuError| matches!(error, GpuError::Failed { adapter, .. } if *adapter == gpu.opened.name);
     assert!(matches!(&error, SolveError::Gpu(error) if is_lost(error)), "{error:?}");
@@ -248,7 +251,7 @@ fn progress_never_falls() {
         seen.lock().unwrap().push(share);
         Ok(())
     };
-    let settings = SolveSettings { solver: SolverKind::Gpu, ..SolveSettings::default() };
+    let settings = SolveSettings { solver: SolverKind::GPU, ..SolveSettings::default() };
     solve(&media::tree(32, 5), &one_band(0), &settings, &note).unwrap();
     let seen = seen.into_inner().unwrap();
     assert!(seen.windows(2).all(|pair| pair[0] <= pair[1]), "{seen:?}");
@@ -260,6 +263,18 @@ fn a_solve_stops_when_it_is_told_to() {
     let medium = media::tree(16, 3);
     let stop = |_| Err(Cancelled);
     let error =
-        solve_on(&gpu(), u64::MAX, &medium, &one_band(0), &SolveSettings::default(), &stop).unwrap_err();
+        solve_on(&[gpu()], u64::MAX, &medium, &one_band(0), &SolveSettings::default(), &stop).unwrap_err();
     assert_eq!(error, SolveError::Cancelled(Cancelled));
+}
+
+#[test]
+fn several_gpus_of_a_kind_share_bases_to_the_same_bytes() {
+    // Devices of one adapter: none of them knows of the others.
+    let gpus: Vec<Gpu> = (0..3).map(|_| gpu()).collect();
+    let (medium, optics) = (ball(16, 2.5, 4.5, 0.4), Optics::paper());
+    let by = |gpus: &[Gpu]| solve_on(gpus, u64::MAX, &medium, &optics, &fine(SolverKind::GPU), &quiet);
+    assert_eq!(by(&gpus).unwrap(), by(&gpus[..1]).unwrap());
+    gpus[2].opened.device.destroy();
+    let lost = by(&gpus).unwrap_err();
+    assert!(matches!(lost, SolveError::Gpu(GpuError::Failed { .. })), "{lost:?}");
 }

@@ -81,7 +81,7 @@ fn settings_that_can_never_be_met_are_refused() {
 #[cfg(not(feature = "gpu"))]
 #[test]
 fn a_build_without_the_gpu_solver_says_so() {
-    let settings = SolveSettings { solver: super::super::SolverKind::Gpu, ..SolveSettings::default() };
+    let settings = SolveSettings { solver: super::super::SolverKind::GPU, ..SolveSettings::default() };
     let found = message(&media::empty(16), &one_band(0), &settings);
     assert!(found.contains("feature `gpu`"), "{found}");
     assert_eq!(super::super::find_gpu().unwrap_err().to_string(), found);

@@ -1,7 +1,7 @@
 //! From the beams of many suns to the light that the plant scatters, in several bands: [`super::super::scatter`] with
 //! marches on the GPU, band after band, as many suns side by side as fit.
 
-use std::sync::atomic::{AtomicUsize, Ordering};
+use std::sync::{Mutex, PoisonError};
 
 use flb_format::beam::Beam;
 use flb_format::progress::{Cancelled, Progress};
@@ -16,42 +16,47 @@ use super::device::Gpu;
 use super::rays::Rays;
 use super::relax::{End, relax};
 use super::work::Work;
-use crate::gpu::GpuError;
+use crate::gpu::{GpuError, share::share};
 
-impl Gpu {
-    /// Scattered light of all suns, and of the sky where that is wanted, in each band: see [`Scattering::scatter`].
-    pub(in crate::ordinates) fn scatter(
-        &self,
-        scattering: &Scattering,
-        bands: &[Band],
-        progress: &Progress<'_>,
-    ) -> Result<Vec<Lit>, OrdinatesError> {
-        if scattering.march.escape.is_empty() {
-            // Nothing to march through, and buffers without bytes cannot be bound.
-            return Ok(scattering.scatter(bands, progress)?);
-        }
-        let rays = Rays::upload(&self.opened, scattering.march, self.buffer_bytes)?;
-        let groups = scattering.groups();
-        let (done, all) = (AtomicUsize::new(0), bands.len() * groups.len());
-        let made = |groups: usize| {
-            progress((done.fetch_add(groups, Ordering::Relaxed) + groups) as f64 / all as f64)
-        };
-        let scatter = Scatter { gpu: self, rays, scattering, groups, made: &made };
-        let of_band = |band: &Band| match band.moments {
+/// Scattered light of all suns, and of the sky where that is wanted, in each band: see [`Scattering::scatter`]. GPUs
+/// share the bands.
+pub(in crate::ordinates) fn scatter(
+    gpus: &[Gpu],
+    scattering: &Scattering,
+    bands: &[Band],
+    progress: &Progress<'_>,
+) -> Result<Vec<Lit>, OrdinatesError> {
+    if scattering.march.escape.is_empty() {
+        // Nothing to march through, and buffers without bytes cannot be bound.
+        return Ok(scattering.scatter(bands, progress)?);
+    }
+    let groups = scattering.groups();
+    let (done, all) = (Mutex::new(0), bands.len() * groups.len());
+    let made = |groups: usize| {
+        // Told in order: progress never falls.
+        let mut done = done.lock().unwrap_or_else(PoisonError::into_inner);
+        *done += groups;
+        progress(*done as f64 / all as f64)
+    };
+    let begin = |gpu: &Gpu| -> Result<Rays, OrdinatesError> {
+        Ok(Rays::upload(&gpu.opened, scattering.march, gpu.buffer_bytes)?)
+    };
+    share(gpus, bands.iter(), begin, |gpu, rays, band: &Band| {
+        let scatter = Scatter { gpu, rays, scattering, groups: &groups, made: &made };
+        match band.moments {
             1 => scatter.of_band::<1>(band),
             4 => scatter.of_band::<4>(band),
             _ => scatter.of_band::<9>(band),
-        };
-        bands.iter().map(of_band).collect()
-    }
+        }
+    })
 }
 
-/// What all bands share.
+/// What all bands on a GPU share.
 struct Scatter<'a> {
     gpu: &'a Gpu,
-    rays: Rays,
+    rays: &'a Rays,
     scattering: &'a Scattering<'a>,
-    groups: Vec<Group<'a>>,
+    groups: &'a [Group<'a>],
     /// Called with the number of groups that were made.
     made: &'a dyn Fn(usize) -> Result<(), Cancelled>,
 }
@@ -113,7 +118,7 @@ impl Scatter<'_> {
     }
 
     fn work<const M: usize>(&self, band: &Band, lanes: usize) -> Result<Work<'_>, GpuError> {
-        Work::new(self.gpu, &self.rays, &self.scattering.march.escape, &band.gains, M, lanes)
+        Work::new(self.gpu, self.rays, &self.scattering.march.escape, &band.gains, M, lanes)
     }
 
     fn end(&self) -> End {

@@ -12,9 +12,13 @@ pub(in crate::ordinates) struct Gpu {
     pub buffer_bytes: u64,
 }
 
-/// Opens the GPU that [`flb_gpu::find`] finds.
-pub(in crate::ordinates) fn open() -> Result<Gpu, GpuError> {
-    let opened = flb_gpu::Gpu::open_with_buffers(wgpu::Features::empty(), MAX_BUFFER_BYTES)?;
+/// Opens the GPU that [`flb_gpu::find`] finds and others of its kind, up to so many.
+pub(in crate::ordinates) fn open(most: usize) -> Result<Vec<Gpu>, GpuError> {
+    let all = flb_gpu::Gpu::open_alike(wgpu::Features::empty(), MAX_BUFFER_BYTES, most)?;
+    all.into_iter().map(with_stages).collect()
+}
+
+fn with_stages(opened: flb_gpu::Gpu) -> Result<Gpu, GpuError> {
     let stages = stages::compile(&opened.device);
     opened.check()?;
     let buffer_bytes = opened.largest_buffer_bytes();

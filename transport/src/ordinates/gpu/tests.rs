@@ -21,7 +21,7 @@ const ROUNDING: f64 = 2e-5;
 
 fn gpu() -> Gpu {
     // The message says what to install.
-    device::open().unwrap_or_else(|error| panic!("{error}"))
+    device::open(1).unwrap_or_else(|error| panic!("{error}")).remove(0)
 }
 
 /// Largest difference of two lists, relative to the mean of the second, and that mean.

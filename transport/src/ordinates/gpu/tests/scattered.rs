@@ -11,6 +11,7 @@ use super::super::super::suns::SolvePlan;
 use super::super::super::{
     Backend, OrdinatesError, OrdinatesSettings, OrdinatesSolution, SunBasis, Surroundings, solve, solve_among,
 };
+use super::super::bands::scatter;
 use super::super::rays::Rays;
 use super::*;
 use crate::gpu::{GpuError, find_gpu};
@@ -45,12 +46,12 @@ fn assert_alike(found: &OrdinatesSolution, expected: &OrdinatesSolution, name: &
 fn light_of_suns_and_sky_is_that_of_the_cpu() {
     let medium = medium();
     let suns = |degree| SunBasis::Harmonics { degree, single: true };
-    let few = OrdinatesSettings { ordinates: Ordinates::Lattice18, ..settings(Backend::Gpu) };
+    let few = OrdinatesSettings { ordinates: Ordinates::Lattice18, ..settings(Backend::GPU) };
     // The rest of the second band's light is solved for harmonics of the sun, that of the others for every sun. The
     // last one has moments.
     let all = [leaves(0.5), leaves(0.1), bands()[1]];
     let cases = [
-        ("default", &all[..], settings(Backend::Gpu)),
+        ("default", &all[..], settings(Backend::GPU)),
         ("4 harmonics", &all[..2], OrdinatesSettings { suns: suns(1), rays: 2, ..few.clone() }),
         ("lattice18", &all[2..], OrdinatesSettings { suns: SunBasis::Lattice18, ..few.clone() }),
         ("cut sites", &all[1..2], OrdinatesSettings { parts: 2, suns: suns(1), ..few }),
@@ -71,7 +72,7 @@ fn sites_of_their_own_and_a_dark_ground_are_those_of_the_cpu() {
     let surroundings = Surroundings { below: 0.2, albedos: Some(&albedos), transmitted: Some(&transmitted) };
     let solved =
         |backend| solve_among(&medium, &[leaves(0.5)], &surroundings, &settings(backend), &quiet).unwrap();
-    assert_alike(&solved(Backend::Gpu), &solved(Backend::Cpu), "surroundings");
+    assert_alike(&solved(Backend::GPU), &solved(Backend::Cpu), "surroundings");
 }
 
 #[test]
@@ -80,18 +81,28 @@ fn nothing_is_solved_where_nothing_is() {
     medium.leaf_per_m.fill(0.0);
     medium.wood_per_m.fill(0.0);
     let solved = |backend| solve(&medium, &[leaves(0.5)], &settings(backend), &quiet).unwrap();
-    assert!(solved(Backend::Gpu) == solved(Backend::Cpu));
+    assert!(solved(Backend::GPU) == solved(Backend::Cpu));
 }
 
-/// Light of all suns in each band, from the GPU.
+/// Light of all suns in each band, from a GPU.
 fn scattered(
     gpu: &Gpu,
     medium: &TurbidMedium,
     of_bands: &[BandScatter],
     progress: &Progress<'_>,
 ) -> Result<Vec<Lit>, OrdinatesError> {
+    scattered_by(std::slice::from_ref(gpu), medium, of_bands, progress)
+}
+
+/// The same from several.
+fn scattered_by(
+    gpus: &[Gpu],
+    medium: &TurbidMedium,
+    of_bands: &[BandScatter],
+    progress: &Progress<'_>,
+) -> Result<Vec<Lit>, OrdinatesError> {
     let sites = medium.sites();
-    let settings = OrdinatesSettings { ordinates: Ordinates::Lattice18, ..settings(Backend::Gpu) };
+    let settings = OrdinatesSettings { ordinates: Ordinates::Lattice18, ..settings(Backend::GPU) };
     let plan = SolvePlan::new(&settings);
     let near = Near::new(medium, &sites, false);
     let beams: Vec<Beam> = plan.suns.iter().map(|sun| near.uncollided(sun.towards, 1)).collect();
@@ -106,7 +117,7 @@ fn scattered(
         settings: &settings,
         may_be_smooth: true,
     };
-    gpu.scatter(&scattering, &bands, progress)
+    scatter(gpus, &scattering, &bands, progress)
 }
 
 #[test]
@@ -154,4 +165,28 @@ fn progress_never_falls_and_a_solve_stops_when_it_is_told_to() {
     assert!(seen.len() == 4 && *seen.last().unwrap() == 1.0, "{seen:?}");
     let error = scattered(&gpu(), &medium(), &[leaves(0.2)], &|_| Err(Cancelled)).err().unwrap();
     assert_eq!(error, OrdinatesError::Cancelled(Cancelled));
+}
+
+#[test]
+fn several_gpus_of_a_kind_share_bands_to_the_same_bytes() {
+    // Devices of one adapter: none of them knows of the others.
+    let gpus: Vec<Gpu> = (0..3).map(|_| gpu()).collect();
+    let medium = medium();
+    let bands = [leaves(0.2), bands()[1], leaves(0.5), leaves(0.1)];
+    let seen = Mutex::new(vec![]);
+    let note = |share: f64| {
+        seen.lock().unwrap().push(share);
+        Ok(())
+    };
+    let found = scattered_by(&gpus, &medium, &bands, &note).unwrap();
+    let alone = scattered(&gpus[0], &medium, &bands, &quiet).unwrap();
+    assert_eq!(found.len(), bands.len());
+    assert!(found.iter().zip(&alone).all(|(found, alone)| found.light == alone.light));
+    let seen = seen.into_inner().unwrap();
+    assert!(seen.windows(2).all(|pair| pair[0] <= pair[1]) && *seen.last().unwrap() == 1.0, "{seen:?}");
+    gpus[1].opened.device.destroy();
+    let lost = scattered_by(&gpus, &medium, &bands, &quiet).err().unwrap();
+    assert!(matches!(lost, OrdinatesError::Gpu(GpuError::Failed { .. })), "{lost:?}");
+    let stopped = scattered_by(&gpus[2..], &medium, &bands, &|_| Err(Cancelled)).err().unwrap();
+    assert_eq!(stopped, OrdinatesError::Cancelled(Cancelled));
 }
