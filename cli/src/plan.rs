@@ -119,6 +119,7 @@ fn scene(args: &PlanArgs) -> Result<Scene, Failure> {
             light: None,
             ambient: None,
             sky: SceneSky::Even,
+            backdrop: None,
             suns: Suns::Sky,
             sunlight: Sunlight::default(),
             highlight: HighlightChoice::default(),

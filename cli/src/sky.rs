@@ -3,6 +3,7 @@
 use std::path::Path;
 
 use flb_scene::scene::SceneSky;
+use flb_scene::sky::Sky;
 use flb_scene::sky::clear::CLEAR_TURBIDITY;
 use flb_stage::StageSky;
 
@@ -29,7 +30,17 @@ pub(crate) fn read_sky(args: &SkyArgs, scene: &SceneSky) -> Result<StageSky, Fai
     Ok(sky)
 }
 
-/// The file of an image that the flags name.
+/// Reads the sky that is drawn in the place of the one that lights: the flag's, else the scene's.
+pub(crate) fn read_backdrop(args: &SkyArgs, scene: Option<&Path>) -> Result<Option<Sky>, Failure> {
+    Ok(args.backdrop.as_deref().or(scene).map(Sky::read).transpose()?)
+}
+
+/// Files of images that the flags name.
+pub(crate) fn sky_files(args: &SkyArgs) -> impl Iterator<Item = &Path> {
+    sky_file(args).into_iter().chain(args.backdrop.as_deref())
+}
+
+/// The file of an image that the flags name, and that lights.
 pub(crate) fn sky_file(args: &SkyArgs) -> Option<&Path> {
     let is_word = |sky: &Path| ["even", "clear"].iter().any(|word| sky.as_os_str() == *word);
     args.sky.as_deref().filter(|sky| !is_word(sky))

@@ -8,13 +8,22 @@ use crate::layout::{Words, split};
 use crate::stand::Stand;
 use crate::surroundings::GroundAndWater;
 
-/// The words of a `View` whose grid begins at this word, for a part of the picture.
+/// First words of what a view has among the words of the stand, or `NONE`.
+#[derive(Clone, Copy)]
+pub(crate) struct ViewFirst {
+    /// Start of the grid over the picture.
+    pub cells: u32,
+    /// Start of the waves.
+    pub waves: u32,
+}
+
+/// The words of a `View` whose grid and waves begin at these words, for a part of the picture.
 pub(crate) fn view_words(
     view: &View,
     part: PictureRect,
     stand: &Stand,
     soil: &GroundAndWater,
-    cells: u32,
+    first: ViewFirst,
 ) -> Result<Vec<u32>, RenderError> {
     view.check()?;
     part.check(view)?;
@@ -50,10 +59,10 @@ pub(crate) fn view_words(
         .rounded(ground_box[0])
         .rounded([lift_m])
         .rounded(ground_box[1])
-        .whole(cells)
+        .whole(first.cells)
         .rounded(spacing_m)
         .rounded([soil.water_from(camera_m)])
-        .whole(0)
+        .whole(first.waves)
         .whole(part.left)
         .whole(part.top)
         .whole(part.width)

@@ -26,7 +26,7 @@ use crate::streamed::StreamedLights;
 use crate::strips::{CameraHit, Dispatch, PIXEL_BYTES, Strips};
 use crate::surroundings::GroundAndWater;
 use crate::{ForestError, PictureRect};
-use sent_grids::ViewGrid;
+use sent_grids::SentView;
 
 /// Limits of a forest on a GPU.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -67,8 +67,8 @@ pub struct GpuForest {
     view: wgpu::Buffer,
     daylight: wgpu::Buffer,
     dome: Dome,
-    /// The grid over the picture that was sent last, if there is one.
-    view_grid: Option<ViewGrid>,
+    /// What of a view was sent last.
+    sent_view: Option<SentView>,
     taken: Option<TracedView>,
     show: Show,
 }
@@ -144,7 +144,7 @@ impl GpuForest {
             view,
             daylight,
             dome,
-            view_grid: None,
+            sent_view: None,
             taken: None,
             show: Show::Picture,
         })
@@ -161,7 +161,7 @@ impl GpuForest {
         self.scene = self.statics.group(&self.gpu, &self.stages, &stand);
         self.stand = stand;
         self.around = forest.around();
-        (self.taken, self.view_grid) = (None, None);
+        (self.taken, self.sent_view) = (None, None);
         self.neighbours.iter_mut().for_each(Neighbours::forget);
         Ok(self.gpu.check()?)
     }
@@ -204,8 +204,8 @@ impl GpuForest {
     /// # Errors
     /// As [`GpuForest::trace`]; [`ForestError::Render`] for a part that is not within the picture.
     pub fn trace_part(&mut self, view: &View, part: PictureRect) -> Result<(), ForestError> {
-        let cells = self.send_view_grid(view)?;
-        let words = view_words(view, part, &self.stand, &self.soil, cells)?;
+        let first = self.send_view(view)?;
+        let words = view_words(view, part, &self.stand, &self.soil, first)?;
         self.gpu.queue.write_buffer(&self.view, 0, bytemuck::cast_slice(&words));
         let size = [part.width, part.height, view.samples];
         match &mut self.taken {
@@ -310,8 +310,8 @@ impl GpuForest {
         camera_m: [f64; 3],
     ) -> Result<Scenery, ForestError> {
         let scenery = self.around.scenery(lighting, look, camera_m)?;
-        if let Some(sky) = &lighting.dome {
-            self.dome.send(&self.gpu, &self.stages, sky);
+        if let Some(sky) = lighting.drawn_sky(scenery.sky_strength) {
+            self.dome.send(&self.gpu, &self.stages, &sky);
         }
         Ok(scenery)
     }

@@ -1,11 +1,14 @@
 //! Ground and water as a view's uniform tells them, and a daylight as its uniform does.
 
-use flb_render::forest::export::SKY;
-use flb_render::forest::{Forest, Land, Scenery, Water};
+use std::f64::consts::TAU;
+
+use flb_render::forest::export::{SKY, glint_variance};
+use flb_render::forest::{Forest, Land, Scenery, View, Water};
 use flb_render::highlight::Highlights;
 use flb_render::shading::Units;
 use flb_render::{Indirect, Lighting, Look};
 use flb_scene::sky::Sky;
+use flb_scene::waves::WaveField;
 
 use crate::layout::Words;
 use crate::show::Show;
@@ -13,6 +16,7 @@ use crate::show::Show;
 /// The forest's ground, with its heights as words among the others; and its water.
 pub(crate) struct GroundAndWater {
     pub water: Option<Water>,
+    field: Option<WaveField>,
     color: [f32; 3],
     shape: Shape,
 }
@@ -35,9 +39,9 @@ enum Shape {
 impl GroundAndWater {
     /// Heights are added to `words`, counted from the lowest, where floats are finest.
     pub(crate) fn new(forest: &Forest<'_>, words: &mut Vec<u32>) -> GroundAndWater {
-        let water = forest.water().copied();
+        let (water, field) = (forest.water().copied(), forest.wave_field().cloned());
         let (Some(ground), Some((lift_m, box_m))) = (forest.ground(), forest.ground_reach()) else {
-            return GroundAndWater { water, color: [0.0; 3], shape: Shape::None };
+            return GroundAndWater { water, field, color: [0.0; 3], shape: Shape::None };
         };
         let shape = match &ground.land {
             Land::Plane { height_m } => Shape::Plane { height_m: *height_m },
@@ -55,7 +59,7 @@ impl GroundAndWater {
                 }
             }
         };
-        GroundAndWater { water, color: ground.color, shape }
+        GroundAndWater { water, field, color: ground.color, shape }
     }
 
     /// `GROUND_NONE`, `GROUND_PLANE` or `GROUND_HEIGHTS`.
@@ -90,6 +94,25 @@ impl GroundAndWater {
     /// Height of the water, seen from a camera above it: below 0.
     pub(crate) fn water_from(&self, camera_m: [f64; 3]) -> f64 {
         self.water.map_or(0.0, |water| water.height_m - camera_m[1])
+    }
+
+    /// The waves of a view, as `water.wgsl` reads them: their phases are those where the camera stands.
+    pub(crate) fn wave_words(&self, view: &View) -> Vec<u32> {
+        let [x, _, z] = view.eye.position_m;
+        let mut words = Words::default();
+        for wave in self.field.iter().flat_map(|field| &field.waves) {
+            words
+                .rounded(wave.wave_vector.map(|radians| radians / TAU))
+                .rounded([wave.turns_at([x, z], view.time_s)])
+                .rounded(wave.slope);
+        }
+        words.0
+    }
+
+    /// Variance of the slopes that make the sun's glint, where there is one.
+    fn ripples(&self, units: Units) -> f32 {
+        let field = self.field.as_ref().filter(|_| !units.has_highlights());
+        field.map_or(0.0, |field| glint_variance(field) as f32)
     }
 
     /// The words of a `Daylight` of the shaders.
@@ -129,8 +152,8 @@ impl GroundAndWater {
             .whole(show as u32)
             .floats(lighting.dome.as_ref().map_or([lighting.daylight.sky; 3], Sky::fluence))
             .whole(cells)
-            .whole(u32::from(is_sky_drawn && lighting.dome.is_some()))
-            .whole(0)
+            .whole(u32::from(is_sky_drawn && (lighting.dome.is_some() || lighting.backdrop.is_some())))
+            .float(self.ripples(units))
             .whole(0)
             .whole(0)
             .floats(highlights.map(|one| one.strength))

@@ -60,7 +60,7 @@ fn row(meshes: &[Mesh], instances: &[Placement], search: Search) {
     for samples in [1, 4] {
         let position_m = [0.0, 22.0, EDGE_M * 0.62];
         let eye = Eye { position_m, look_at_m: [0.0, 2.0, 0.0], fov_deg: 45.0 };
-        let view = View { eye, width: 512, height: 512, samples, sky_rays: 0 };
+        let view = View { eye, width: 512, height: 512, samples, sky_rays: 0, time_s: 0.0 };
         let (trace, fragments) = shortest(|| forest.trace(&view, &|_| Ok(())).expect("a sound view"));
         let relight = relight(&forest, &fragments);
         println!(

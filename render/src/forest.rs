@@ -14,8 +14,8 @@
 //! shadows. All give the same fragments and shadows to the last bit; `cargo bench -p flb-render --bench forest`
 //! compares them.
 //!
-//! Still water ([`Water`]) mirrors what stands above it: a ray that comes to it is followed on, once, by the tree over
-//! all instances.
+//! Water ([`Water`]) mirrors what stands above it: a ray that comes to it is followed on, once, by the tree over all
+//! instances.
 //!
 //! The same input gives the same bytes for any number of threads.
 
@@ -56,6 +56,7 @@ use ground::GroundSurface;
 use instance_tree::InstanceTree;
 use model::Model;
 use placed::Placed;
+use water::WaterSurface;
 
 /// A plant model, as it was baked.
 pub struct Species<'a> {
@@ -111,7 +112,7 @@ pub struct Forest<'a> {
     instances: Vec<Placed>,
     tree: InstanceTree,
     soil: Option<GroundSurface>,
-    water: Option<Water>,
+    water: Option<WaterSurface>,
     search: Search,
     /// Units that the shadings of all species have.
     units: Units,
@@ -179,7 +180,7 @@ impl<'a> Forest<'a> {
     /// [`RenderError::Setting`] for water out of range.
     pub fn with_water(self, water: Water) -> Result<Forest<'a>, RenderError> {
         water.check()?;
-        Ok(Forest { water: Some(water), ..self })
+        Ok(Forest { water: Some(WaterSurface::new(water)), ..self })
     }
 
     /// Puts other instances in place of those that stand there. What was traced before is of the old ones.
@@ -202,7 +203,7 @@ impl<'a> Forest<'a> {
 
     /// Water of the forest.
     pub fn water(&self) -> Option<&Water> {
-        self.water.as_ref()
+        self.water.as_ref().map(|surface| &surface.water)
     }
 
     /// The box around all plants: its lowest and its highest coordinates.

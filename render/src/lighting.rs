@@ -1,10 +1,12 @@
 //! What lights a scene, and which part of that light a picture shows.
 
+use std::f32::consts::PI;
+
 use flb_format::{Daylight, SpeciesMeta};
-use flb_scene::sky::Sky;
+use flb_scene::sky::{Sky, luminance};
 use glam::DVec3;
 
-use crate::{RenderError, highlight::Highlights, settings::range};
+use crate::{RenderError, backdrop::SKY_LUMINANCE, highlight::Highlights, settings::range};
 
 /// The light on a scene.
 #[derive(Debug, Clone, PartialEq)]
@@ -19,6 +21,9 @@ pub struct Lighting {
     /// An uneven sky in the place of the even one, in the frame of the world; `daylight.sky` does not count then. Of
     /// the `physical` shading alone.
     pub dome: Option<Sky>,
+    /// A sky that is drawn in the place of the one that lights the scene, in either shading. Of fluence 1 by luminance,
+    /// it is drawn as bright in the mean as that one.
+    pub backdrop: Option<Sky>,
 }
 
 /// Part of the light that is shown. In linear light `Off` + `Only` = `On`.
@@ -71,13 +76,23 @@ impl Default for Look {
 impl Lighting {
     /// A white sun and an even sky.
     pub fn of(daylight: Daylight) -> Lighting {
-        Lighting { daylight, sun_color: [1.0; 3], dome: None }
+        Lighting { daylight, sun_color: [1.0; 3], dome: None, backdrop: None }
     }
 
     /// The default light with the sun in another direction, of any length but zero.
     pub fn towards(sun: [f64; 3]) -> Lighting {
         let light = Lighting::default();
         Lighting { daylight: Daylight { towards_sun: sun, ..light.daylight }, ..light }
+    }
+
+    /// The sky that is drawn; `None` where it is the even one, by a factor on its gradient
+    /// ([`crate::forest::Scenery::sky_strength`]).
+    pub fn drawn_sky(&self, sky_strength: f32) -> Option<Sky> {
+        let Some(backdrop) = &self.backdrop else { return self.dome.clone() };
+        Some(backdrop.times(match &self.dome {
+            Some(dome) => luminance(dome.fluence()),
+            None => 4.0 * PI * SKY_LUMINANCE * sky_strength,
+        }))
     }
 
     /// Checks it and gives back the unit vector towards the sun.

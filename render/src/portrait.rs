@@ -121,7 +121,7 @@ impl Portrait {
     }
 
     fn view(&self, eye: Eye) -> View {
-        View { eye, width: self.width, height: self.height, samples: self.samples, sky_rays: 0 }
+        View { eye, width: self.width, height: self.height, samples: self.samples, sky_rays: 0, time_s: 0.0 }
     }
 
     /// At the nearest place on the line of sight from which every vertex lies inside the margin.

@@ -82,6 +82,7 @@ pub(crate) struct Setup {
     pub ambient: f32,
     pub sun_color: [f32; 3],
     pub dome: Option<Sky>,
+    pub drawn: Option<Sky>,
     pub indirect: Indirect,
     pub indirect_scale: f32,
     pub highlights: Highlights,
@@ -109,6 +110,7 @@ impl Default for Setup {
             ambient: lighting.daylight.sky,
             sun_color: lighting.sun_color,
             dome: lighting.dome,
+            drawn: lighting.backdrop,
             indirect,
             indirect_scale,
             highlights,
@@ -133,7 +135,12 @@ impl Setup {
 
     pub(crate) fn lighting(&self) -> Lighting {
         let daylight = Daylight { towards_sun: self.sun, sun: self.sun_strength, sky: self.ambient };
-        Lighting { daylight, sun_color: self.sun_color, dome: self.dome.clone() }
+        Lighting {
+            daylight,
+            sun_color: self.sun_color,
+            dome: self.dome.clone(),
+            backdrop: self.drawn.clone(),
+        }
     }
 
     pub(crate) fn look(&self) -> Look {

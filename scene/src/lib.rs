@@ -52,6 +52,7 @@ pub mod species;
 pub mod surface_points;
 pub mod texture;
 pub mod unit;
+pub mod waves;
 
 pub use class::MaterialClass;
 pub use classify::ClassRules;

@@ -9,6 +9,7 @@
 //!                                # species 0.36
 //! # clear = { turbidity = 3.0 }  # blue, with the colours of its sun, ambient times as bright (default: 1); or
 //! # image = "sky.hdr"            # of the whole sphere, .exr or .hdr, relative to this file, of the fluence `ambient`
+//! # backdrop = "clouds.exr"      # an image that is drawn in its place, and lights nothing
 //!
 //! [sun]                          # default: every sun above the horizon; else one of
 //! fixed = [[135.0, 40.0]]        # azimuth and elevation, degrees, as `flb render --sun`
@@ -34,8 +35,11 @@
 //! # height_m = [0.0, 8.0]        # of black and of white, above origin_m
 //!
 //! [water]                        # default: none
-//! height_m = 0.6                 # a level surface without end, hidden where ground is higher; cameras stand above
+//! height_m = 0.6                 # a surface without end, hidden where ground is higher; cameras stand above
 //! colour = [0.01, 0.035, 0.04]   # share of the light within it that comes out again, R, G, B; this is the default
+//! # waves = { wind_m_s = 3.0 }   # default: level; see [`crate::waves::Waves`]. Beside the wind, with their defaults:
+//! #                              # from_deg = 270.0, fetch_m = 300.0, steepness = 1.0, seed = 1, time_s = 0.0 and
+//! #                              # step_s = 0.0, from one picture to the next
 //!
 //! [highlight]                    # of `paper` species: strength k and exponent s of the sun's k (v.r)^s
 //! leaf = [0.08, 6.0]             # this is the default
@@ -98,7 +102,7 @@ pub use sky::SceneSky;
 pub use sun::MAX_FIXED_SUNS;
 pub use sun_hours::{Instant, SunAt, SunHours};
 pub use sunlight::{AddedSun, MAX_ADDED_SUNS, MAX_IRRADIANCE, Sunlight, irradiance};
-pub use water::Water;
+pub use water::{MovingWaves, Water};
 
 /// A scene whose every value is in its range.
 #[derive(Debug, Clone, PartialEq)]
@@ -112,6 +116,9 @@ pub struct Scene {
     pub ambient: Option<f64>,
     /// Source of the light of the sky.
     pub sky: SceneSky,
+    /// Image of a sky that is drawn in its place and lights nothing, a relative path made relative to the scene's
+    /// folder.
+    pub backdrop: Option<PathBuf>,
     /// Suns that may shine on the scene.
     pub suns: Suns,
     /// Light of each of these suns, and further suns beside it.
@@ -131,6 +138,11 @@ pub struct Scene {
 }
 
 impl Scene {
+    /// Time at which the first picture shows the waves on its water, seconds.
+    pub fn start_s(&self) -> f64 {
+        self.water.and_then(|water| water.waves).map_or(0.0, |waves| waves.time_s)
+    }
+
     /// Every file that it names, but its light; whether it is there or not.
     pub fn files(&self) -> impl Iterator<Item = &Path> {
         let of_species = self.species.iter().flat_map(|s| [&s.file, &s.species_file, &s.light]);
@@ -142,7 +154,12 @@ impl Scene {
             SceneSky::Image(file) => Some(file.as_path()),
             _ => None,
         };
-        of_species.flatten().map(PathBuf::as_path).chain(height_map).chain(image)
+        of_species
+            .flatten()
+            .map(PathBuf::as_path)
+            .chain(height_map)
+            .chain(image)
+            .chain(self.backdrop.as_deref())
     }
 }
 

@@ -16,6 +16,7 @@ mod primaries;
 mod spectrum;
 
 use std::f64::consts::PI;
+use std::path::Path;
 use std::sync::{Arc, OnceLock};
 
 use flb_format::sky_part::SkyPart;
@@ -69,6 +70,14 @@ impl Sky {
     pub fn of_image(image: Arc<SkyImage>) -> Sky {
         let scale = (1.0 / (4.0 * PI * image.mean_luminance())) as f32;
         Sky::new(Source::Image(image), scale)
+    }
+
+    /// Reads the sky of an image file, as of [`Sky::of_image`].
+    ///
+    /// # Errors
+    /// [`SkyError`] for a file that cannot be used.
+    pub fn read(file: &Path) -> Result<Sky, SkyError> {
+        Ok(Sky::of_image(Arc::new(SkyImage::read(file)?)))
     }
 
     fn new(source: Source, scale: f32) -> Sky {

@@ -117,7 +117,10 @@ pub enum StageError {
         last: usize,
     },
     /// A file of the model `paper` under an uneven sky.
-    #[error("an uneven sky is for physical files: a paper file does not say what comes from the sky itself")]
+    #[error(
+        "an uneven sky is for physical files: a paper file does not say what comes from the sky itself (a backdrop is \
+         only drawn)"
+    )]
     UnevenSkyOverPaper,
     /// Highlights on plants of the model `physical`.
     #[error(

@@ -14,6 +14,8 @@ pub struct SceneFrame {
     pub sun_deg: Option<[f64; 2]>,
     /// Time at which the sun stands there, where that is known.
     pub instant: Option<Instant>,
+    /// Time of the waves on water, seconds.
+    pub time_s: f64,
 }
 
 /// Suns, hours and number of the frames that are taken; what is empty or `None` is as the scene has it.
@@ -40,8 +42,10 @@ pub(crate) fn subject(sun_deg: Option<[f64; 2]>) -> String {
 /// # Errors
 /// [`StageError::Scene`] for a scene that lacks what frames need, or whose camera stands under water.
 pub fn frames(scene: &Scene, settings: &FrameSettings) -> Result<Vec<SceneFrame>, StageError> {
-    let frames = all(scene, settings)?;
+    let mut frames = all(scene, settings)?;
     let Some(water) = &scene.water else { return Ok(frames) };
+    let step_s = water.waves.map_or(0.0, |waves| waves.step_s);
+    frames.iter_mut().zip(0..).for_each(|(frame, number)| frame.time_s += f64::from(number) * step_s);
     match frames.iter().position(|frame| frame.eye.position_m[1] <= water.height_m) {
         None => Ok(frames),
         Some(sunk) => Err(StageError::Scene(format!(
@@ -76,6 +80,8 @@ pub struct FramePath<'a> {
     camera: &'a Camera,
     look_at_m: &'a [[f64; 3]],
     course: Course<'a>,
+    /// Of the first frame.
+    time_s: f64,
 }
 
 impl<'a> FramePath<'a> {
@@ -91,7 +97,7 @@ impl<'a> FramePath<'a> {
         let Some(look_at_m) = &camera.look_at_m else {
             return missing("[camera] has no look_at_m, which a picture needs");
         };
-        Ok(FramePath { camera, look_at_m, course: course(scene, settings)? })
+        Ok(FramePath { camera, look_at_m, course: course(scene, settings)?, time_s: scene.start_s() })
     }
 
     /// The frame at a share of the way, 0..=1.
@@ -102,7 +108,7 @@ impl<'a> FramePath<'a> {
             look_at_m: along(self.look_at_m, share),
             fov_deg: self.camera.fov_deg,
         };
-        SceneFrame { eye, sun_deg, instant }
+        SceneFrame { eye, sun_deg, instant, time_s: self.time_s }
     }
 }
 

@@ -7,12 +7,15 @@
 use flb_render::shading::Units;
 use flb_render::{Lighting, Look, Picture};
 use flb_scene::scene::Sunlight;
+use flb_scene::sky::Sky;
 
 use crate::{StageError, StageSky};
 
 /// What a picture is lit by.
 pub(crate) struct Sources<'a> {
     pub sky: &'a StageSky,
+    /// A sky that is drawn in its place.
+    pub backdrop: Option<&'a Sky>,
     /// Light of an even sky, and what was asked for.
     pub ambient: (f32, Option<f32>),
     pub sunlight: &'a Sunlight,
@@ -49,6 +52,7 @@ impl Sources<'_> {
     ) -> Result<Parts, StageError> {
         let strength_of_sun = sun_deg.map_or(0.0, &strength);
         let lighting = self.sky.lighting((sun_deg, strength_of_sun), self.ambient, self.units)?;
+        let lighting = Lighting { backdrop: self.backdrop.cloned(), ..lighting };
         let whole = Part { lighting, look: *self.look, sun_deg, factor: [1.0; 3] };
         let mut parts = self.of_first_sun(whole);
         for added in &self.sunlight.added {

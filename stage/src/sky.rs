@@ -1,13 +1,12 @@
 //! The sky over a scene, before it is known where the sun stands.
 
 use std::path::Path;
-use std::sync::Arc;
 
 use flb_format::Daylight;
 use flb_format::sun::towards_sun;
 use flb_render::Lighting;
 use flb_render::shading::{PHYSICAL_SKY, Units};
-use flb_scene::sky::{Sky, SkyError, SkyImage};
+use flb_scene::sky::{Sky, SkyError};
 
 use crate::StageError;
 
@@ -40,7 +39,7 @@ impl StageSky {
     /// # Errors
     /// [`SkyError`] for a file that cannot be used.
     pub fn image(file: &Path) -> Result<StageSky, SkyError> {
-        Ok(StageSky::Image(Sky::of_image(Arc::new(SkyImage::read(file)?))))
+        Ok(StageSky::Image(Sky::read(file)?))
     }
 
     /// Whether the sky is even.

@@ -77,7 +77,7 @@ impl Stage {
             let forest = Forest::prepare(&species, &self.scene.instances, ground, search)?;
             match &self.scene.water {
                 None => Ok(forest),
-                Some(still) => forest.with_water(water(still)),
+                Some(found) => forest.with_water(water(found)),
             }
         };
         Ok(prepare()?)
@@ -93,5 +93,6 @@ fn ground(ground: &SceneGround) -> Result<Ground, StageError> {
 }
 
 fn water(water: &SceneWater) -> Water {
-    Water { height_m: water.height_m, color: water.color.map(|share| share as f32) }
+    let waves = water.waves.map(|moving| moving.waves);
+    Water { height_m: water.height_m, color: water.color.map(|share| share as f32), waves }
 }

@@ -52,6 +52,7 @@ fn stand_in(suns: Option<&SunBasis>, shading: Shading) -> Stage {
         light: None,
         ambient: None,
         sky: SceneSky::Even,
+        backdrop: None,
         suns: Suns::Fixed(vec![SUN_DEG, [250.0, 15.0]]),
         sunlight: Sunlight::default(),
         highlight: HighlightChoice::default(),
@@ -123,7 +124,9 @@ fn of_a_plant_alone_direct_and_indirect_light_make_the_picture() {
         let look = Look { indirect, ..Look::default() };
         let sunlight = Sunlight::default();
         let shows = vec![SceneShow::Light];
-        let look = PlantLook { portrait, look, ambient: None, sky, sunlight, shows, is_path_traced: false };
+        let (backdrop, ambient) = (None, None);
+        let look =
+            PlantLook { portrait, look, ambient, sky, backdrop, sunlight, shows, is_path_traced: false };
         let renderer = PlantRenderer::new(&plant.mesh, light, look, &[SUN_DEG]).expect("it is read");
         renderer.picture(Some(SUN_DEG), &Unobserved).expect("a picture")
     };

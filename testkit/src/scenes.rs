@@ -87,7 +87,7 @@ pub fn view(size: [u32; 2], samples: u32, distance_m: f64) -> View {
         look_at_m: [0.0, 2.0, 0.0],
         fov_deg: 45.0,
     };
-    View { eye, width: size[0], height: size[1], samples, sky_rays: 4 }
+    View { eye, width: size[0], height: size[1], samples, sky_rays: 4, time_s: 0.0 }
 }
 
 /// A library in memory of species with these suns (`None`: of the model `paper`), whose fields are waves with noise.

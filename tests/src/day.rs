@@ -136,5 +136,5 @@ fn lighting([azimuth_deg, elevation_deg]: [f64; 2], sky_alone: bool) -> (Lightin
     let sun_color = dome.sun().expect("a clear sky has a sun");
     let sun = if sky_alone { 0.0 } else { 1.0 };
     let daylight = Daylight { towards_sun, sun, sky: 0.0 };
-    (Lighting { daylight, sun_color, dome: Some(dome.clone()) }, dome)
+    (Lighting { sun_color, dome: Some(dome.clone()), ..Lighting::of(daylight) }, dome)
 }

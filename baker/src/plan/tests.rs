@@ -17,6 +17,7 @@ fn scene(suns: Suns, instances: Vec<Placement>) -> Scene {
         light: None,
         ambient: None,
         sky: SceneSky::Even,
+        backdrop: None,
         suns,
         sunlight: Sunlight::default(),
         highlight: HighlightChoice::default(),

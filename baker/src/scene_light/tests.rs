@@ -374,6 +374,7 @@ fn a_digest_tells_plants_and_ground_apart_and_nothing_else() {
         light: None,
         ambient: None,
         sky: SceneSky::Even,
+        backdrop: None,
         suns: scene::Suns::Sky,
         sunlight: scene::Sunlight::default(),
         highlight: scene::HighlightChoice::default(),
@@ -391,7 +392,7 @@ fn a_digest_tells_plants_and_ground_apart_and_nothing_else() {
         suns: scene::Suns::Fixed(vec![[0.0, 10.0]]),
         sunlight: scene::Sunlight { irradiance: [0.5; 3], ..Default::default() },
         light: file.clone(),
-        water: Some(scene::Water { height_m: 0.5, color: [0.1; 3] }),
+        water: Some(scene::Water { height_m: 0.5, color: [0.1; 3], waves: None }),
         species: vec![SceneSpecies { file, ..species("oak") }, species("pine")],
         ..scene.clone()
     };

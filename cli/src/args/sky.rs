@@ -15,4 +15,8 @@ pub(crate) struct SkyArgs {
     /// How hazy a clear sky is, 2 to 10 [default: the scene's, else 3]
     #[arg(long, value_name = "T")]
     pub turbidity: Option<f64>,
+    /// An image of the whole sphere, as for --sky, that is drawn where no plant is, as bright in the mean as the
+    /// sky that lights, and mirrored by water. It lights nothing [default: the scene's, else the sky that lights]
+    #[arg(long, value_name = "FILE")]
+    pub backdrop: Option<PathBuf>,
 }

@@ -193,3 +193,42 @@ fn a_viewer_shows_the_sky_of_its_scene_or_of_the_flag_and_refuses_what_a_picture
     run.expect_code(2).says(&["clear.toml", "uneven sky", "physical"]);
     assert!(!paper.names().contains(&"v.png".to_owned()));
 }
+
+#[test]
+fn a_backdrop_is_drawn_behind_plants_of_either_model_and_lights_none_of_them() {
+    for model in [&FEW[..], &PAPER] {
+        let folder = shrub(model);
+        folder.write("east.hdr", hdr(|column| column >= 4)).write("cut.hdr", &hdr(|_| false)[..80]);
+        scene(&folder, "plain.toml", "");
+        scene(&folder, "clouds.toml", "[sky]\nbackdrop = \"east.hdr\"\n");
+        let sun = ["--sun", "100,30"];
+        let (plain, clouds) = (seen(&folder, "plain.toml", &sun), seen(&folder, "clouds.toml", &sun));
+        assert!(rms(&plain, &clouds) > 3.0, "{}", rms(&plain, &clouds));
+        let by_flag = [&sun[..], &["--backdrop", "east.hdr"]].concat();
+        assert_eq!(seen(&folder, "plain.toml", &by_flag), clouds);
+        let on_gpu = seen(&folder, "clouds.toml", &[&sun[..], &["--backend", "gpu"]].concat());
+        assert!(rms(&on_gpu, &clouds) < 0.3 * rms(&plain, &clouds), "{}", rms(&on_gpu, &clouds));
+        // Light alone, before black.
+        let light = [&sun[..], &["--show", "indirect"]].concat();
+        assert_eq!(seen(&folder, "plain.toml", &light), seen(&folder, "clouds.toml", &light));
+        let plant = [&["--mesh", "shrub.glb", "--size", "24x24"], &sun[..]].concat();
+        let alone = seen(&folder, "shrub.flb", &plant);
+        let before = seen(&folder, "shrub.flb", &[&plant[..], &["--backdrop", "east.hdr"]].concat());
+        assert!(rms(&alone, &before) > 3.0, "{}", rms(&alone, &before));
+        for file in ["cut.hdr", "none.hdr"] {
+            let words = [&sun[..], &["--backdrop", file]].concat();
+            let refused = render(&folder, "plain.toml", &words);
+            assert_ne!(refused.code, 0);
+            refused.says(&[file]);
+        }
+        let over = folder.flb(&["render", "clouds.toml", "-o", "east.hdr", "--force"]);
+        over.expect_code(2).says(&["east.hdr"]);
+        let view = ["view", "clouds.toml", "--size", "64x48", "--screenshot", "v.png", "--force"];
+        folder.flb(&view).expect_code(0);
+        let with = pixels(&folder.read("v.png"));
+        folder
+            .flb(&["view", "plain.toml", "--size", "64x48", "--screenshot", "v.png", "--force"])
+            .expect_code(0);
+        assert!(rms(&with, &pixels(&folder.read("v.png"))) > 3.0);
+    }
+}

@@ -99,7 +99,7 @@ fn scene(name: &str, gpu: &Gpu, meshes: &[Mesh], instances: &[Placement], eye: E
     let hd = std::env::var_os("FLB_BENCH_HD").map(|_| [1920, 1080]);
     for [width, height] in [[512, 512]].into_iter().chain(hd).filter(|_| !only_ways) {
         for samples in [1, 4] {
-            let view = View { eye, width, height, samples, sky_rays: 0 };
+            let view = View { eye, width, height, samples, sky_rays: 0, time_s: 0.0 };
             let ok = "it did so before";
             on_gpu.trace(&view).unwrap_or_else(|error| panic!("{error}"));
             on_gpu
@@ -129,7 +129,13 @@ fn scene(name: &str, gpu: &Gpu, meshes: &[Mesh], instances: &[Placement], eye: E
         }
     }
     println!();
-    ways(gpu, &forest, &mut lights, View { eye, width: 512, height: 512, samples: 1, sky_rays: 0 }, best_of);
+    ways(
+        gpu,
+        &forest,
+        &mut lights,
+        View { eye, width: 512, height: 512, samples: 1, sky_rays: 0, time_s: 0.0 },
+        best_of,
+    );
 }
 
 /// Prints a table of all ways to find what rays meet.

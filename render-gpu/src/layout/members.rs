@@ -26,7 +26,7 @@ pub(crate) const VIEW: [Member; 25] = [
     ("cells", 1),
     ("spacing", 2),
     ("water", 1),
-    ("unused", 1),
+    ("waves", 1),
     ("corner", 2),
     ("size", 2),
 ];
@@ -50,7 +50,7 @@ pub(crate) const DAYLIGHT: [Member; 25] = [
     ("fluence", 3),
     ("cells", 1),
     ("has_dome", 1),
-    ("unused", 1),
+    ("ripples", 1),
     ("unused_2", 2),
     // Of leaves, wood and water.
     ("highlights", 3),

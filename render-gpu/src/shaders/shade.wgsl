@@ -27,17 +27,22 @@ fn shade(@builtin(workgroup_id) workgroup: vec3<u32>, @builtin(local_invocation_
     var fragment = fragments[task.ray];
     var line = Line(vec3<f32>(0.0), direction_of(task));
     let is_by_water = HAS_WATER && (fragment.triangle & BY_WATER) != 0u;
+    var facet = Facet(vec3<f32>(0.0), 0.0, line);
     if is_by_water {
-        line = mirrored(line.direction);
+        facet = facet_along(line.direction);
+        line = facet.back;
         fragment.triangle &= ~BY_WATER;
     }
     var seen = seen_along(fragment, line, is_by_water || daylight.has_backdrop != 0u);
     if is_by_water {
-        let share = reflectance(line.direction.y);
-        let body = body_color(line.origin, sky_on_water(fragment)) * (1.0 - share);
-        let shine = highlight(2u, vec3<f32>(0.0, 1.0, 0.0), daylight.towards_sun, direction_of(task));
-        seen.color = seen.color * share + body + sun_on(line.origin, shine);
-        seen.share *= share;
+        let looking = direction_of(task);
+        let body = body_color(line.origin, sky_on_water(fragment)) * (1.0 - facet.share);
+        var shine = highlight(2u, facet.normal, daylight.towards_sun, looking);
+        if daylight.ripples > 0.0 {
+            shine = glint(facet.normal, looking, daylight.towards_sun, daylight.ripples);
+        }
+        seen.color = seen.color * facet.share + body + sun_on(line.origin, shine);
+        seen.share *= facet.share;
     }
     lit[task.ray] = seen;
 }

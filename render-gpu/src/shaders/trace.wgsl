@@ -3,7 +3,6 @@
 
 // As a share of the sky's light: plants that hide the sky from the ground.
 const LEAVES_BEFORE_SKY: f32 = 0.25;
-const TAU: f32 = 6.2831853;
 
 @compute @workgroup_size(WORKGROUP)
 fn trace(@builtin(workgroup_id) workgroup: vec3<u32>, @builtin(local_invocation_index) local: u32) {
@@ -18,7 +17,7 @@ fn trace(@builtin(workgroup_id) workgroup: vec3<u32>, @builtin(local_invocation_
     let is_by_water = HAS_WATER && water_along(line.direction) < min(met.distance_m, ground);
     var sky_on_water = 1.0;
     if is_by_water {
-        line = mirrored(line.direction);
+        line = facet_along(line.direction).back;
         met = nearest(line.origin, line.direction);
         ground = ground_along(line.origin, line.direction);
         sky_on_water = open_sky(line.origin, vec3<f32>(0.0, 1.0, 0.0), seed);

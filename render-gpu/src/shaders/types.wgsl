@@ -36,7 +36,8 @@ struct View {
     spacing: vec2<f32>,
     // Height of the water, where there is any: below 0.
     water: f32,
-    unused: f32,
+    // First word of the waves, or NONE.
+    waves: u32,
     // The part of the picture that is at work, in pixels: where it begins, and its width and height.
     corner: vec2<u32>,
     size: vec2<u32>,
@@ -72,7 +73,8 @@ struct Daylight {
     cells: u32,
     // Whether the sky is drawn from a picture of it.
     has_dome: u32,
-    unused: u32,
+    // Variance of the slopes that make the sun's glint on waves; 0 without one.
+    ripples: f32,
     unused_2: vec2<u32>,
     // Strengths and exponents of the sun's highlights on leaves, wood and water.
     highlights: vec3<f32>,

@@ -43,7 +43,7 @@ fn counts(met: &[CameraHit]) -> [usize; 4] {
 fn many_gpus_draw_the_picture_of_one_to_the_bit() {
     let (meshes, instances) = (meshes(), stand(11, 22.0, [0.0; 3]));
     let library = library(&NAMES.map(|name| (name, None)), Codec::Classed);
-    let water = Water { height_m: 0.35, color: [0.02, 0.06, 0.07] };
+    let water = Water { height_m: 0.35, color: [0.02, 0.06, 0.07], waves: None };
     let forest = two(&meshes, Shading::Paper, &instances, Some(hills(50.0))).with_water(water).unwrap();
     let light = SceneLight::load(&scene_light(&NAMES, Some(&SunBasis::Lattice18))).unwrap();
     let prepared = light.prepare(NAMES);

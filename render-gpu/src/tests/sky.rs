@@ -163,3 +163,32 @@ fn an_uneven_sky_over_the_shading_paper_is_refused_on_a_gpu_too() {
     let refused = on_gpu.relight(&mut lights, &clear([135.0, 35.0]), &Look::default());
     assert!(matches!(refused, Err(ForestError::Render(_))), "{refused:?}");
 }
+
+#[test]
+fn a_backdrop_is_drawn_as_on_the_cpu_over_plants_of_either_shading() {
+    let meshes = meshes();
+    let instances = stand(9, 20.0, [0.0; 3]);
+    let gpu = gpu();
+    let backdrop =
+        Some(Sky::clear(towards_sun(20.0, 10.0), 6.0).expect("a sun above the horizon").times(0.7));
+    for (shading, exposure, lighting) in [
+        (Shading::Paper, 0.0, Lighting::of(Daylight { sky: 0.02, ..clear([135.0, 35.0]).daylight })),
+        (physical(), PHYSICAL_EXPOSURE, clear([135.0, 35.0])),
+    ] {
+        let lighting = Lighting { backdrop: backdrop.clone(), ..lighting };
+        let forest = two(&meshes, shading, &instances, Some(plane()));
+        let mut lights = super::traced::dark(&gpu, 2);
+        let mut on_gpu = GpuForest::new(&gpu, &forest, &lights, settings()).expect("it fits");
+        let (view, look) = (view([112, 70], 4, 30.0), Look { indirect: Indirect::Off, ..Look::default() });
+        on_gpu.trace(&view).expect("a view");
+        on_gpu.relight(&mut lights, &lighting, &look).expect("a daylight");
+        let fragments = forest.trace(&view, &|_| Ok(())).expect("a view");
+        let on_cpu = |lighting: &Lighting| {
+            forest.relight(&fragments, lighting, &look, &|_, _| {}, &|_| Ok(())).expect("a daylight")
+        };
+        let found = on_gpu.picture().expect("it is lit");
+        assert_alike(&found, &on_cpu(&lighting), exposure);
+        let without = on_cpu(&Lighting { backdrop: None, ..lighting });
+        assert!(difference(&found, &without, exposure).0 > 0.01);
+    }
+}

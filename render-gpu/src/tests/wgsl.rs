@@ -114,6 +114,7 @@ fn constants_are_those_of_rust() {
         ("VIEW_CELL", export_grids::VIEW_CELL_PX),
         ("GRID_HEAD", grids::GRID_HEAD),
         ("SUN_HEAD", grids::SUN_HEAD),
+        ("WAVE_COUNT", flb_scene::waves::WAVE_COUNT as u32),
     ];
     for (name, value) in whole {
         assert!(text.contains(&format!("const {name}: u32 = {value}u;")), "{name} is {value}");
@@ -134,6 +135,7 @@ fn constants_are_those_of_rust() {
     let [index, into] = [export::REFRACTIVE_INDEX, export::INTO_FROM_SKY];
     assert!(text.contains(&format!("const REFRACTIVE_INDEX: f32 = {index};")));
     assert!(text.contains(&format!("const INTO_FROM_SKY: f32 = {into};")));
+    assert!(text.contains(&format!("const NO_GLINT: f32 = {:.1};", export::NO_GLINT)));
     assert!(text.contains(&format!("const GRID_PAD: f32 = {};", export_grids::MODEL_PAD)));
     assert!(text.contains(&format!("const SUN_PAD: f32 = {};", grids::SUN_PAD)));
     assert!(text.contains(&format!("const FLOOR: f32 = {};", scene_light::FLOOR)));

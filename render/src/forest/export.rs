@@ -6,7 +6,7 @@ pub mod grids;
 use flb_format::Placement;
 use flb_scene::color::{self, Law};
 use flb_scene::texture::SrgbTable;
-use flb_scene::{MaterialClass, Mesh, alpha::Coverage};
+use flb_scene::{MaterialClass, Mesh, alpha::Coverage, waves::WaveField};
 use obvhs::bvh2::Bvh2;
 
 use super::{Forest, Ground, model::Model};
@@ -26,6 +26,14 @@ pub const REFRACTIVE_INDEX: f32 = super::water::REFRACTIVE_INDEX;
 pub const INTO_FROM_SKY: f32 = super::water::INTO_FROM_SKY;
 /// Linear colours of the sky at the horizon and overhead, at full brightness.
 pub const SKY: [[f32; 3]; 2] = [HORIZON.to_array(), ZENITH.to_array()];
+
+/// Squares of slopes, in variances, beyond which there is no glint.
+pub const NO_GLINT: f64 = super::water::NO_GLINT;
+
+/// Variance of the slopes that make the sun's glint on waves.
+pub fn glint_variance(field: &WaveField) -> f64 {
+    super::water::glint_variance(field)
+}
 
 /// sRGB bytes to linear light, for all 256 of them.
 pub fn linear_from_srgb() -> [f32; 256] {
@@ -89,6 +97,11 @@ impl Forest<'_> {
     /// The species, as rays find their triangles.
     pub fn flat_models(&self) -> impl ExactSizeIterator<Item = FlatModel<'_>> {
         self.models.iter().map(model)
+    }
+
+    /// Waves of the forest's water.
+    pub fn wave_field(&self) -> Option<&WaveField> {
+        self.water.as_ref()?.field.as_ref()
     }
 
     /// Placements of the forest's plants.

@@ -5,17 +5,19 @@ use flb_scene::sampling::cosine_hemisphere;
 use glam::{DVec3, Vec3};
 
 use super::{
-    Eye, Forest, InstanceSearch, Water, eye,
+    Eye, Forest, InstanceSearch, eye,
     placed::WorldRay,
     squares::{self, Area},
     trace::PlantHit,
     view_grid::ViewGrid,
+    water::WaterSurface,
 };
 use crate::lens::Lens;
 use crate::scene::TriangleHit;
 use crate::settings::{MAX_EDGE, MAX_PIXELS, MAX_SAMPLES};
 use crate::{RenderError, jitter, r2_sequence};
 use flb_scene::sampling::hash;
+use flb_scene::waves::MAX_TIME_S;
 
 /// Largest number of rays of a picture: 3 GiB of fragments, and as much again for what is mirrored, where all is water.
 pub const MAX_RAYS: u64 = 1 << 27;
@@ -38,6 +40,8 @@ pub struct View {
     pub samples: u32,
     /// Rays that look for the sky from each point of the ground, 0..=256; with none, it lies under open sky.
     pub sky_rays: u32,
+    /// Time of the waves on water, seconds.
+    pub time_s: f64,
 }
 
 /// First hit of a ray.
@@ -127,6 +131,10 @@ impl View {
                 return refuse(name, found.into(), format!("{low}..={high}"));
             }
         }
+        if !(-MAX_TIME_S..=MAX_TIME_S).contains(&self.time_s) {
+            let expected = format!("-{MAX_TIME_S:e}..={MAX_TIME_S:e}");
+            return Err(RenderError::Setting { name: "time_s", found: self.time_s.to_string(), expected });
+        }
         let pixels = u64::from(self.width) * u64::from(self.height);
         match pixels > MAX_PIXELS {
             true => refuse("width x height", pixels, format!("at most {MAX_PIXELS} pixels")),
@@ -150,7 +158,7 @@ impl Camera {
     /// [`RenderError::Setting`] for a view outside its limits but for the number of rays; [`RenderError::Underwater`].
     pub(crate) fn new(forest: &Forest<'_>, view: &View) -> Result<Camera, RenderError> {
         view.check_picture()?;
-        if let Some(water) = &forest.water {
+        if let Some(water) = forest.water() {
             water.check_eye(view.eye.position_m)?;
         }
         Ok(Camera { view: *view, lens: eye::lens(&view.eye, [view.width, view.height])? })
@@ -268,7 +276,7 @@ impl<'f> Tracer<'f> {
             Some(grid) => forest.nearest_in_view(grid, lens, px, py),
         };
         let seed = hash(x ^ hash(y ^ hash(sample)));
-        forest.seen(&ray, met, self.camera.view.sky_rays, seed, mirrored)
+        forest.seen(&ray, met, &self.camera.view, seed, mirrored)
     }
 }
 
@@ -286,22 +294,23 @@ impl Forest<'_> {
     }
 
     /// Of a ray from the camera, which may come to water first: then what that mirrors is found too.
-    fn seen(
-        &self,
+    fn seen<'s>(
+        &'s self,
         ray: &WorldRay,
         met: Option<PlantHit>,
-        sky_rays: u32,
+        view: &View,
         seed: u32,
         mirrored: &mut Vec<Fragment>,
     ) -> Fragment {
         let ground = self.soil.as_ref().and_then(|soil| soil.along(ray));
         let nearest = met.map_or(f64::INFINITY, |met| met.distance_m).min(ground.unwrap_or(f64::INFINITY));
-        let along = |water: &Water| Some((*water, water.along(ray)?));
-        let Some((water, distance_m)) = self.water.as_ref().and_then(along).filter(|(_, d)| *d < nearest)
+        let View { sky_rays, time_s, .. } = *view;
+        let along = |surface: &'s WaterSurface| Some((surface, surface.water.along(ray)?));
+        let Some((surface, distance_m)) = self.water.as_ref().and_then(along).filter(|(_, d)| *d < nearest)
         else {
             return self.fragment(ray, met, ground, sky_rays, seed);
         };
-        let back = water.mirrored(ray, distance_m);
+        let back = surface.facet(ray, distance_m, time_s).back;
         let ground = self.soil.as_ref().and_then(|soil| soil.along(&back));
         mirrored.push(self.fragment(&back, self.nearest(&back), ground, sky_rays, seed));
         let sky = self.open_sky(back.origin, Vec3::Y, sky_rays, seed);

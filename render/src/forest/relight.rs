@@ -2,6 +2,7 @@
 
 use flb_format::progress::Progress;
 use flb_scene::MaterialClass;
+use flb_scene::sky::Sky;
 use glam::{DVec3, Vec3};
 
 use super::{
@@ -13,7 +14,7 @@ use super::{
     squares,
     sun_grid::{self, SunGrid},
     trace::SunWay,
-    water::{INTO_FROM_SKY, Water, reflectance},
+    water::{Facet, INTO_FROM_SKY, Water, WaterSurface, reflectance},
 };
 use crate::{
     Lighting, Look, Picture, RenderError,
@@ -58,6 +59,8 @@ pub(crate) struct Lit<'a> {
     scenery: Scenery,
     /// What a white ground sends out under open sky.
     white_under_sky: Vec3,
+    /// The sky that is drawn, where it is not the even one.
+    drawn_sky: Option<Sky>,
 }
 
 impl Forest<'_> {
@@ -175,12 +178,14 @@ impl<'a> Lit<'a> {
             }
         };
         let sun = SunWay { towards, grid };
-        Ok(Lit { forest, lighting, look, light, sun, scenery, white_under_sky })
+        let drawn_sky = lighting.drawn_sky(scenery.sky_strength);
+        Ok(Lit { forest, lighting, look, light, sun, scenery, white_under_sky, drawn_sky })
     }
 
     /// The means of a square's pixels, `[y][x]`, not below 0.
     fn square(&self, camera: &Camera, square: &Square) -> Vec<[f32; 3]> {
-        means(camera, square, |fragment, mirrored, ray| self.seen(fragment, mirrored, ray))
+        let time_s = camera.view.time_s;
+        means(camera, square, |fragment, mirrored, ray| self.seen(fragment, mirrored, ray, time_s))
     }
 
     /// How much of a square's pixels is covered, `[y][x]`, in all bands.
@@ -198,15 +203,15 @@ impl<'a> Lit<'a> {
     }
 
     /// Linear colour that a ray from the camera sees; `mirrored` is what water sends back.
-    fn seen(&self, fragment: &Fragment, mirrored_at: &[Fragment], ray: &WorldRay) -> Vec3 {
+    fn seen(&self, fragment: &Fragment, mirrored_at: &[Fragment], ray: &WorldRay, time_s: f64) -> Vec3 {
         match (fragment, &self.forest.water) {
-            (Fragment::Water { distance_m, sky, mirrored }, Some(water)) => {
-                let back = water.mirrored(ray, *distance_m);
-                let share = reflectance(back.direction.y as f32);
+            (Fragment::Water { distance_m, sky, mirrored }, Some(surface)) => {
+                let facet = surface.facet(ray, *distance_m, time_s);
+                let Facet { back, share, .. } = &facet;
                 let image = mirrored_at.get(*mirrored as usize).unwrap_or(&Fragment::Sky);
-                let body = self.body(water, back.origin, *sky) * (1.0 - share);
-                let image = self.color_before(image, &back, || self.sky_color(&back));
-                image * share + body + self.highlight(back.origin, ray)
+                let body = self.body(&surface.water, back.origin, *sky) * (1.0 - share);
+                let image = self.color_before(image, back, || self.sky_color(back));
+                image * *share + body + self.highlight(surface, &facet, ray)
             }
             _ => self.color(fragment, ray),
         }
@@ -219,14 +224,17 @@ impl<'a> Lit<'a> {
         water.color() * (sun + self.sky_on(sky) * INTO_FROM_SKY)
     }
 
-    /// The sun's highlight on water, of a ray to a point of it.
-    fn highlight(&self, point: DVec3, ray: &WorldRay) -> Vec3 {
-        let highlight = self.forest.units.highlights(self.look).water;
-        if highlight.strength == 0.0 {
-            return Vec3::ZERO;
-        }
-        let sun = self.sunlight().towards;
-        self.sun_on(point, highlight.towards(Vec3::Y, sun, ray.direction.as_vec3()))
+    /// The sun's highlight on water, of a ray to a facet of it.
+    fn highlight(&self, surface: &WaterSurface, facet: &Facet, ray: &WorldRay) -> Vec3 {
+        let units = self.forest.units;
+        let share = match units.has_highlights() {
+            true => {
+                let highlight = units.highlights(self.look).water;
+                highlight.towards(facet.normal.as_vec3(), self.sunlight().towards, ray.direction.as_vec3())
+            }
+            false => surface.glint(facet, ray.direction, self.sun.towards),
+        };
+        self.sun_on(facet.back.origin, share)
     }
 
     /// Linear colour of anything but water along a ray.
@@ -314,10 +322,10 @@ impl<'a> Lit<'a> {
     }
 
     fn sky_color(&self, ray: &WorldRay) -> Vec3 {
-        match (&self.lighting.dome, self.look.has_sky && self.look.has_direct()) {
+        match (&self.drawn_sky, self.look.has_sky && self.look.has_direct()) {
             (_, false) => Vec3::ZERO,
             (None, true) => sky_gradient(ray.direction.y as f32) * self.scenery.sky_strength,
-            (Some(dome), true) => Vec3::from(dome.seen(ray.direction.as_vec3().to_array())),
+            (Some(drawn), true) => Vec3::from(drawn.seen(ray.direction.as_vec3().to_array())),
         }
     }
 }

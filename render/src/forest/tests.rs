@@ -12,6 +12,7 @@ use flb_scene::mesh::{AlphaMode, Wrap};
 
 mod sky;
 mod water;
+mod waves;
 mod ways;
 
 const LEAF: [MaterialClass; 2] = [MaterialClass::Leaf; 2];
@@ -32,7 +33,7 @@ fn paper<'a>(mesh: &'a Mesh, classes: &'a [MaterialClass]) -> Species<'a> {
 fn view(target: [f64; 3]) -> View {
     let position_m = [target[0], target[1], target[2] + 10.0];
     let eye = Eye { position_m, look_at_m: target, fov_deg: 30.0 };
-    View { eye, width: 33, height: 33, samples: 1, sky_rays: 0 }
+    View { eye, width: 33, height: 33, samples: 1, sky_rays: 0, time_s: 0.0 }
 }
 
 /// The sun alone, from behind the camera, and no sky.

@@ -174,7 +174,7 @@ impl Reading<'_> {
         if raw.species.is_empty() {
             return Err(self.malformed(0, "species", "none", "one [[species]] or more"));
         }
-        let (sky, ambient) = self.sky(raw.sky)?;
+        let (sky, ambient, backdrop) = self.sky(raw.sky)?;
         let mut by_name = HashMap::new();
         let mut species = Vec::with_capacity(raw.species.len());
         for entry in &raw.species {
@@ -201,6 +201,7 @@ impl Reading<'_> {
             light: raw.light.map(|light| self.folder.join(light)),
             ambient,
             sky,
+            backdrop,
             suns,
             sunlight,
             highlight: self.highlight(raw.highlight)?,

@@ -29,6 +29,7 @@ pub(super) struct RawSky {
     ambient: Option<Spanned<f64>>,
     clear: Option<Spanned<RawClear>>,
     image: Option<PathBuf>,
+    backdrop: Option<PathBuf>,
 }
 
 #[derive(Deserialize)]
@@ -38,8 +39,8 @@ struct RawClear {
 }
 
 impl Reading<'_> {
-    /// The sky, and the factor on it where it is said.
-    pub(super) fn sky(&self, raw: RawSky) -> Checked<(SceneSky, Option<f64>)> {
+    /// The sky, the factor on it where it is said, and the image that is drawn in its place.
+    pub(super) fn sky(&self, raw: RawSky) -> Checked<(SceneSky, Option<f64>, Option<PathBuf>)> {
         let ambient = raw
             .ambient
             .map(|ambient| self.within(ambient.span().start, "sky.ambient", ambient.into_inner(), 0.0, 1e6));
@@ -51,7 +52,7 @@ impl Reading<'_> {
             (Some(clear), None) => SceneSky::Clear { turbidity: self.turbidity(clear.into_inner())? },
             (None, None) => SceneSky::Even,
         };
-        Ok((sky, ambient.transpose()?))
+        Ok((sky, ambient.transpose()?, raw.backdrop.map(|file| self.folder.join(file))))
     }
 
     fn turbidity(&self, raw: RawClear) -> Checked<f64> {

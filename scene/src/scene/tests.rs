@@ -118,6 +118,12 @@ fn a_sky_is_even_clear_or_an_image_beside_the_scene() {
         (SceneSky::Clear { turbidity: 6.0 }, Some(2.0))
     );
     assert_eq!(sky("sky.image = \"noon.hdr\""), (SceneSky::Image("scenes/noon.hdr".into()), None));
+    let scene =
+        parse(&format!("sky = {{ clear = {{}}, backdrop = \"clouds.exr\" }}\n{SCENE}")).expect("a scene");
+    assert!(
+        matches!(scene.sky, SceneSky::Clear { .. }) && scene.files().any(|file| file.ends_with("clouds.exr"))
+    );
+    assert_eq!(scene.backdrop, Some("scenes/clouds.exr".into()));
 }
 
 #[test]
@@ -210,42 +216,6 @@ fn a_ground_is_a_plane_or_a_height_map() {
         ("steepness = 1".to_owned(), "unknown field `steepness`"),
     ] {
         let message = ground(&text).expect_err(&text).to_string();
-        assert!(message.contains(expected), "{message} for {expected}");
-    }
-}
-
-#[test]
-fn water_has_a_height_and_lies_above_a_level_ground() {
-    let water = |text: &str| parse(&format!("{text}\n{SCENE}")).map(|scene| scene.water);
-    let found = |text: &str| water(text).expect(text);
-    assert_eq!(found(""), None);
-    let lake = Water { height_m: 0.0, color: [0.01, 0.035, 0.04] };
-    assert_eq!(found("water.height_m = 0"), Some(lake));
-    let milk = Water { height_m: -2.5, color: [0.0, 0.5, 1.0] };
-    assert_eq!(found("water = { height_m = -2.5, colour = [0, 0.5, 1] }\nground.height_m = -3"), Some(milk));
-    // Where a height map is lower is not known before it is read.
-    let map = "height_map = \"h.png\", origin_m = [-5, 1, -6], size_m = [10, 12], height_m = [0, 2.5]";
-    assert_eq!(found(&format!("water.height_m = 0\nground = {{ {map} }}")), Some(lake));
-    for (text, expected) in [
-        ("water = {}", "missing field `height_m`"),
-        ("water = { height_m = 1, depth_m = 3 }", "unknown field `depth_m`"),
-        ("water.height_m = nan", "forest.toml: line 1, water.height_m: found NaN, expected -1000000000 to"),
-        ("water.height_m = 2e9", "line 1, water.height_m: found 2000000000"),
-        (
-            "water = { height_m = 1, colour = [0, -0.1, 0] }",
-            "line 1, water.colour: found -0.1, expected 0 to 1",
-        ),
-        ("water = { height_m = 1, colour = [0, 0] }", "line 1"),
-        (
-            "water.height_m = 0\nground.height_m = 0",
-            "line 1, water.height_m: found 0, expected above the level ground at 0",
-        ),
-        (
-            "ground = {}\nwater.height_m = -1",
-            "line 2, water.height_m: found -1, expected above the level ground at 0",
-        ),
-    ] {
-        let message = water(text).expect_err(text).to_string();
         assert!(message.contains(expected), "{message} for {expected}");
     }
 }

@@ -232,7 +232,9 @@ impl<'s> Painter<'s> {
         self.find_beams(&parts.first.lighting);
         let start = Instant::now();
         let [width, height] = size;
-        let view = View { eye: self.above_water(shot.eye), width, height, samples, sky_rays: SKY_RAYS };
+        let time_s = self.stage.scene.start_s();
+        let view =
+            View { eye: self.above_water(shot.eye), width, height, samples, sky_rays: SKY_RAYS, time_s };
         let is_mark = !matches!(shot.show, Show::Whole | Show::Indirect | Show::Direct);
         let (picture, traced) = match &mut self.on_gpu {
             Some(on_gpu) if !is_mark => {

@@ -38,7 +38,7 @@ impl<'a> Lit<'a> {
 
     /// What the camera sees, and the seconds that it took.
     pub(crate) fn trace(&self, edge: u32, samples: u32) -> (Fragments, f64) {
-        let view = View { eye: self.eye, width: edge, height: edge, samples, sky_rays: 0 };
+        let view = View { eye: self.eye, width: edge, height: edge, samples, sky_rays: 0, time_s: 0.0 };
         timed(|| self.forest.trace(&view, &|_| Ok(())).expect("a sound view"))
     }
 

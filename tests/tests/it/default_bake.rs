@@ -25,6 +25,7 @@ use flb_scene::leaf::{Bands, LeafModel, knapp_carter};
 use flb_scene::scene::Scene;
 use flb_scene::scene::scatter::{Amount, Plot, scatter};
 use flb_scene::surface_points::surface_points;
+use flb_scene::waves::Waves;
 use flb_tests::budget::streamed;
 use flb_tests::default_bake::DefaultBake;
 use flb_tests::describe;
@@ -308,13 +309,16 @@ fn forests_over_water_are_golden() {
     let species = meshes.map(|mesh| forest::Species { mesh: &mesh.mesh, classes: &mesh.classes, shading });
     let species: Vec<_> = species.collect();
     let still = scene.water.as_ref().expect("it has water");
-    let water = Water { height_m: still.height_m, color: still.color.map(|share| share as f32) };
-    let forest = Forest::prepare(&species, &scene.instances, None, Search::default()).expect("a forest");
-    let forest = forest.with_water(water).expect("water below the camera");
+    let water = Water { height_m: still.height_m, color: still.color.map(|share| share as f32), waves: None };
+    let over = |water: Water| {
+        let forest = Forest::prepare(&species, &scene.instances, None, Search::default()).expect("a forest");
+        forest.with_water(water).expect("water below the camera")
+    };
+    let forest = over(water);
     let camera = scene.camera.as_ref().expect("it has a camera");
     let look_at_m = camera.look_at_m.as_ref().expect("it looks at something")[0];
     let eye = Eye { position_m: camera.path_m[0], look_at_m, fov_deg: camera.fov_deg };
-    let view = View { eye, width: 48, height: camera.height_px, samples: 4, sky_rays: 4 };
+    let view = View { eye, width: 48, height: camera.height_px, samples: 4, sky_rays: 4, time_s: 0.0 };
     let fragments = forest.trace(&view, &|_| Ok(())).expect("a view");
     let counts = fragments.counts();
     assert!(counts[0] > 200 && counts[3] > 200, "plants and water are seen: {counts:?}");
@@ -336,6 +340,12 @@ fn forests_over_water_are_golden() {
             .relight(&fragments, &Lighting::of(daylight), &Look::default(), &light, &|_| Ok(()))
             .expect("finite light");
         text += &describe::values(&format!("sun {azimuth},{elevation}"), &picture.rgb);
+        if elevation < 20.0 {
+            let wavy = over(Water { waves: Some(Waves::default()), ..water });
+            let view = View { time_s: 2.5, ..view };
+            let picture = wavy.render(&view, &Lighting::of(daylight), &Look::default(), &light, &|_| Ok(()));
+            text += &describe::values("the same with waves", &picture.expect("finite light").rgb);
+        }
     }
     insta::assert_snapshot!("water", text);
 }

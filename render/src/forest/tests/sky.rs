@@ -22,7 +22,7 @@ fn a_white_image_lights_ground_and_water_as_an_even_sky_of_its_fluence() {
     let dome = sky_image(|_, _| (3.0, 3.0, 3.0)).times(0.4);
     let even = Setup { sun: [0.6, 0.5, 0.5], ambient: 0.4, sky: false, ..Setup::default() };
     let under_image = Setup { dome: Some(dome), ambient: 7.0, ..even.clone() };
-    let water = Water { height_m: 0.2, color: [0.3; 3] };
+    let water = Water { height_m: 0.2, color: [0.3; 3], waves: None };
     for forest in [grown_stand(&meshes, ground()), grown_stand(&meshes, ground()).with_water(water).unwrap()]
     {
         let (expected, found) = (lit(&forest, &even), lit(&forest, &under_image));
@@ -111,4 +111,38 @@ fn an_uneven_sky_over_paper_plants_and_a_sun_of_no_colour_are_refused() {
     let dome = Some(Sky::clear([0.0, 1.0, 0.0], 3.0).unwrap());
     assert!(refusal(Setup { dome, ..plain() }).contains("`dome` is a sky with the shading `paper`"));
     assert!(refusal(Setup { sun_color: [1.0, f32::NAN, 1.0], ..plain() }).contains("`sun_color` is NaN"));
+}
+
+#[test]
+fn a_backdrop_is_drawn_and_mirrored_in_the_place_of_the_sky_that_lights_and_lights_nothing() {
+    let mesh = wall(material("wall", [0.5; 3]), vec![], 1.0);
+    let clouds = sky_image(|column, _| if column < 32 { (3.0, 1.0, 0.5) } else { (0.2, 0.4, 1.0) });
+    let white = sky_image(|_, _| (5.0, 5.0, 5.0));
+    let meshes = [grown(PlantKind::Shrub, 2000)];
+    let water = Water { height_m: 0.2, color: [0.0; 3], waves: None };
+    let dome = Some(Sky::clear([0.6, 0.5, 0.5], 3.0).unwrap());
+    for (forest, daylight) in [
+        (forest(&mesh, &[at_m([0.0; 3])], ground()), Setup { ambient: 0.02, ..plain() }),
+        (grown_stand(&meshes, None).with_water(water).unwrap(), Setup { dome, ..plain() }),
+        (grown_stand(&meshes, None), Setup { ambient: 0.3, ..plain() }),
+    ] {
+        let daylight = Setup { sky: true, ..daylight };
+        let plants = lit(&forest, &Setup { sky: false, ..daylight.clone() });
+        let drawn = |drawn: &Sky| lit(&forest, &Setup { drawn: Some(drawn.clone()), ..daylight.clone() });
+        assert_eq!(
+            plants,
+            lit(&forest, &Setup { sky: false, drawn: Some(clouds.clone()), ..daylight.clone() })
+        );
+        let (with, twice) = (drawn(&clouds), drawn(&clouds.times(2.0)));
+        let mut changed = 0;
+        for ((with, twice), plants) in with.rgb.iter().zip(&twice.rgb).zip(&plants.rgb) {
+            assert!((twice - plants - 2.0 * (with - plants)).abs() < 1e-4, "{with} {twice} {plants}");
+            changed += usize::from(with - plants > 0.01);
+        }
+        assert!(changed > with.rgb.len() / 10, "{changed}");
+        // White is as bright as the sky that it hides, in the mean over all sides.
+        let top = |picture: &Picture| pixel(picture, 2, 1).iter().sum::<f32>();
+        let (usual, white) = (top(&lit(&forest, &daylight)), top(&drawn(&white)));
+        assert!(white > 0.4 * usual && white < 2.5 * usual, "{white} and {usual}");
+    }
 }

@@ -8,7 +8,7 @@ use crate::forest::water::{INTO_FROM_SKY, REFRACTIVE_INDEX, reflectance};
 const NO_COLOR: [f32; 3] = [0.0; 3];
 
 fn over<'a>(forest: Forest<'a>, height_m: f64, color: [f32; 3]) -> Forest<'a> {
-    forest.with_water(Water { height_m, color }).unwrap()
+    forest.with_water(Water { height_m, color, waves: None }).unwrap()
 }
 
 pub(super) fn grown_stand<'a>(meshes: &'a [Mesh], ground: Option<Ground>) -> Forest<'a> {
@@ -37,19 +37,19 @@ pub(super) fn phi(LightQuery { instance, point, .. }: LightQuery, phi: &mut [f32
     *phi = [0.1 + 0.01 * instance as f32, 0.02 * point[1].abs(), 0.3];
 }
 
-fn lit(forest: &Forest, view: &View, daylight: &Setup) -> Picture {
+pub(super) fn lit(forest: &Forest, view: &View, daylight: &Setup) -> Picture {
     let fragments = forest.trace(view, &|_| Ok(())).unwrap();
     forest.relight(&fragments, &daylight.lighting(), &daylight.look(), &phi, &|_| Ok(())).unwrap()
 }
 
-fn afternoon() -> Setup {
+pub(super) fn afternoon() -> Setup {
     Setup { sun: [0.6, 0.5, 0.5], ambient: 0.4, ..Setup::default() }
 }
 
 /// From the south, over the water.
 pub(super) fn shore() -> View {
     let eye = Eye { position_m: [1.0, 4.0, 22.0], look_at_m: [0.0, 1.0, -2.0], fov_deg: 50.0 };
-    View { eye, width: 80, height: 60, samples: 1, sky_rays: 0 }
+    View { eye, width: 80, height: 60, samples: 1, sky_rays: 0, time_s: 0.0 }
 }
 
 #[test]
@@ -147,7 +147,7 @@ fn what_is_mirrored_is_what_an_eye_on_the_water_sees_hills_included() {
     for (x, y) in (30..view.height).flat_map(|y| (0..view.width).map(move |x| (x, y))) {
         let Some(Fragment::Water { distance_m, .. }) = fragments.at(x, y, 0) else { continue };
         let ray = fragments.camera.ray(x, y, 0);
-        let mirrored = wet.water.unwrap().mirrored(&ray, distance_m);
+        let mirrored = wet.water.as_ref().unwrap().facet(&ray, distance_m, 0.0).back;
         let eye = Eye {
             position_m: mirrored.origin.to_array(),
             look_at_m: (mirrored.origin + mirrored.direction).to_array(),
@@ -178,7 +178,7 @@ fn under_the_rim_of_a_height_map_is_water_and_no_hole() {
     let ground = Some(Ground { land: Land::Heights(heights), color: [0.4; 3], fades_at_m: None });
     let forest = over(grown_stand(&meshes, ground), 0.0, [0.1; 3]);
     let eye = Eye { position_m: [0.0, 1.0, 12.0], look_at_m: [0.0, 0.0, 0.0], fov_deg: 6.0 };
-    let view = View { eye, width: 32, height: 32, samples: 1, sky_rays: 0 };
+    let view = View { eye, width: 32, height: 32, samples: 1, sky_rays: 0, time_s: 0.0 };
     let [_, ground, sky, water] = forest.trace(&view, &|_| Ok(())).unwrap().counts();
     assert_eq!((ground, sky), (0, 0));
     assert!(water > 500, "{water} of 1024");
@@ -210,7 +210,7 @@ fn water_hides_what_lies_below_and_lies_only_where_ground_is_lower() {
     );
     let forest = over(under.unwrap(), 0.0, [0.1; 3]);
     let eye = Eye { position_m: [0.0, 60.0, 5.0], look_at_m: [0.0, 0.0, 0.0], fov_deg: 70.0 };
-    let view = View { eye, width: 64, height: 64, samples: 1, sky_rays: 0 };
+    let view = View { eye, width: 64, height: 64, samples: 1, sky_rays: 0, time_s: 0.0 };
     let fragments = forest.trace(&view, &|_| Ok(())).unwrap();
     let [plants, ground, sky, water] = fragments.counts();
     assert_eq!((plants, sky, plants + ground + sky + water), (0, 0, 64 * 64));
@@ -266,7 +266,8 @@ fn a_plant_shades_the_water_from_the_sun_and_hides_its_sky() {
     let aside = |x_m: f64, daylight: &Setup| {
         let [eye, at] = [below_roof.position_m, below_roof.look_at_m].map(|[x, y, z]| [x + x_m, y, z]);
         let eye = Eye { position_m: eye, look_at_m: at, ..below_roof };
-        shoot(&sea, &View { eye, width: 1, height: 1, samples: 64, sky_rays: 8 }, daylight).rgb[0]
+        shoot(&sea, &View { eye, width: 1, height: 1, samples: 64, sky_rays: 8, time_s: 0.0 }, daylight).rgb
+            [0]
     };
     // The sun alone.
     let sun = Setup { sun: [0.0, 1.0, 0.0], ..plain() };
@@ -314,7 +315,7 @@ fn water_that_cannot_be_and_an_eye_below_it_are_refused() {
     let mesh = wall(material("wall", [0.5; 3]), vec![], 1.0);
     let refusal = |height_m, color| {
         let alone = forest(&mesh, &[at_m([0.0; 3])], None);
-        alone.with_water(Water { height_m, color }).err().expect("it is refused").to_string()
+        alone.with_water(Water { height_m, color, waves: None }).err().expect("it is refused").to_string()
     };
     for (message, expected) in [
         (refusal(f64::NAN, [0.1; 3]), "`water` is height_m NaN, expected a finite height"),

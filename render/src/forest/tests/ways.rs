@@ -74,7 +74,7 @@ fn every_way_finds_the_same_triangles_at_the_same_distances_and_the_same_shadows
     for (tilted, position_m) in [(false, eyes[0]), (true, eyes[1]), (false, eyes[1]), (true, eyes[2])] {
         let instances = stand(40, tilted);
         let eye = Eye { position_m, look_at_m: [0.0, 5.0, 0.0], fov_deg: 50.0 };
-        let view = View { eye, width: 60, height: 50, samples: 2, sky_rays: 1 };
+        let view = View { eye, width: 60, height: 50, samples: 2, sky_rays: 1, time_s: 0.0 };
         let daylight = Setup { sun: [0.7, 0.5, 0.2], ..Setup::default() };
         let mut first = None;
         for search in ways() {
