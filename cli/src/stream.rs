@@ -11,7 +11,7 @@ use flb_runtime::stream::replay::{Link, Moment, Trace, replay};
 use flb_runtime::view::Camera;
 use flb_runtime::{Daylight, Library};
 use flb_scene::scene::Scene;
-use flb_stage::frames::FramePath;
+use flb_stage::frames::{FramePath, water_plane};
 use flb_stage::{FrameSettings, SceneFrame, StageError};
 use serde::Serialize;
 
@@ -118,15 +118,15 @@ pub(crate) fn run(args: &StreamArgs) -> Result<u8, Failure> {
     let units = Units::new(library.container(), library.path())?;
     let mut finder = NeedFinder::new(library.container(), &units);
     let frames = frames as usize;
-    let water_m = scene.water.as_ref().map(|water| water.height_m as f32);
+    let water = water_plane(&scene);
     let need = |frame: usize| {
         let t = if frames > 1 { frame as f64 / (frames - 1) as f64 } else { 0.0 };
         let (camera, daylight) = seen(&scene, &path.at(t));
-        let mut need = finder.find_over_water(&placed, &camera, water_m, &daylight);
+        let mut need = finder.find_over_water(&placed, &camera, water, &daylight);
         for added in &scene.sunlight.added {
             let towards_sun = towards_sun(added.sun_deg[0], added.sun_deg[1]);
             let alone = Daylight { towards_sun, sun: 1.0, sky: 0.0 };
-            need.add(&finder.find_over_water(&placed, &camera, water_m, &alone));
+            need.add(&finder.find_over_water(&placed, &camera, water, &alone));
         }
         need
     };

@@ -64,6 +64,15 @@ pub struct Camera {
     pub height_px: u32,
 }
 
+/// Water that may mirror what a frame shows.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct WaterPlane {
+    /// Height of the water (y), metres.
+    pub height_m: f32,
+    /// Largest angle by which waves turn what is mirrored that still counts, degrees, 0 to 90; 0 of level water.
+    pub spread_deg: f32,
+}
+
 /// A plane: `normal . point >= offset` inside. The normal is of unit length.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Plane {
@@ -103,17 +112,27 @@ impl Camera {
 
     /// Frustum that the camera sees.
     pub fn frustum(&self) -> Frustum {
+        self.wider_frustum(0.0)
+    }
+
+    /// Frustum that is wider by an angle on each side.
+    fn wider_frustum(&self, by_deg: f32) -> Frustum {
         let Axes { forward, right, up, half, aspect } = self.axes();
+        let wider = |tangent: f32| match by_deg > 0.0 {
+            true => libm::tanf((libm::atanf(tangent) + by_deg.to_radians()).min(WIDEST_DEG.to_radians())),
+            false => tangent,
+        };
+        let [across, upwards] = [half * aspect, half].map(wider);
         let side = |along: [f32; 3], tangent: f32| {
             let normal = unit(std::array::from_fn(|i| forward[i] * tangent + along[i]));
             Plane { normal, offset: dot(normal, self.position_m) }
         };
         let minus = |v: [f32; 3]| v.map(|c| -c);
         let planes = [
-            side(right, half * aspect),
-            side(minus(right), half * aspect),
-            side(up, half),
-            side(minus(up), half),
+            side(right, across),
+            side(minus(right), across),
+            side(up, upwards),
+            side(minus(up), upwards),
             Plane { normal: forward, offset: dot(forward, self.position_m) },
         ];
         let (width, height) = (self.width_px as f32, self.height_px as f32);
@@ -125,10 +144,11 @@ impl Camera {
         }
     }
 
-    /// Frustum that the camera may see in level water at a height: what lies above that, from the camera's image below.
-    /// `None` from the surface or below it, and where no ray of the picture goes down. Ground that hides water is not
-    /// known here.
-    pub fn frustum_in_water(&self, water_m: f32) -> Option<Frustum> {
+    /// Frustum that the camera may see in water: what lies above that, from the camera's image below; wider where waves
+    /// turn it. `None` from the surface or below it, and where no ray of the picture goes down. Ground that hides water
+    /// is not known here.
+    pub fn frustum_in_water(&self, water: WaterPlane) -> Option<Frustum> {
+        let WaterPlane { height_m: water_m, spread_deg } = water;
         let Axes { forward, right, up, half, aspect } = self.axes();
         // Of the steepest ray downwards.
         let lowest = forward[1] - half * (right[1].abs() * aspect + up[1].abs());
@@ -139,7 +159,7 @@ impl Camera {
         let below = |[x, y, z]: [f32; 3]| [x, -y, z];
         let position_m = [x, 2.0 * water_m - y, z];
         let image = Camera { position_m, forward: below(self.forward), up: below(self.up), ..*self };
-        let mut frustum = image.frustum();
+        let mut frustum = image.wider_frustum(spread_deg);
         frustum.planes[4] = Plane { normal: [0.0, 1.0, 0.0], offset: water_m };
         Some(frustum)
     }
@@ -156,6 +176,9 @@ impl Camera {
         }
     }
 }
+
+/// Half of the widest frustum's angle, degrees.
+const WIDEST_DEG: f32 = 89.0;
 
 /// A picture's axes, unit vectors; half of its height at a distance of one, and its width over its height.
 struct Axes {
@@ -255,7 +278,9 @@ mod tests {
     #[test]
     fn water_is_looked_into_from_above_and_shows_what_stands_over_it() {
         let water_m = 0.5;
-        let image = camera().frustum_in_water(water_m).expect("the lower half of the picture is water");
+        let level = |height_m: f32| WaterPlane { height_m, spread_deg: 0.0 };
+        let image =
+            camera().frustum_in_water(level(water_m)).expect("the lower half of the picture is water");
         let frustum = camera().frustum();
         assert_eq!(image.position_m, [1.0, -1.0, 3.0]);
         let mut seen = 0;
@@ -267,12 +292,29 @@ mod tests {
             seen += usize::from(is_seen);
         }
         assert!(seen > 50, "{seen} of 1000 points");
-        assert_eq!(camera().frustum_in_water(2.0), None, "not from its surface");
+        assert_eq!(camera().frustum_in_water(level(2.0)), None, "not from its surface");
         // 45 degrees up, half of the picture's 90 degrees: as good as level.
         for (up, sees) in [(1.9, true), (2.1, false)] {
             let camera = Camera { forward: [0.0, up, -2.0], ..camera() };
-            assert_eq!(camera.frustum_in_water(water_m).is_some(), sees, "{up}");
+            assert_eq!(camera.frustum_in_water(level(water_m)).is_some(), sees, "{up}");
         }
+    }
+
+    #[test]
+    fn waves_show_what_level_water_does_and_what_lies_beside_it() {
+        let wavy = |spread_deg| WaterPlane { height_m: 0.5, spread_deg };
+        let [level, breeze, storm] = [0.0, 20.0, 90.0].map(|spread_deg| {
+            camera().frustum_in_water(wavy(spread_deg)).expect("the lower half of the picture is water")
+        });
+        let mut counts = [0; 3];
+        for i in 0..1000 {
+            let point = [i % 10, i / 10 % 10, i / 100].map(|c| c as f32 * 2.3 - 10.0);
+            let seen = [level, breeze, storm].map(|frustum| frustum.sees_sphere(point, 0.0));
+            assert!(seen[0] <= seen[1] && seen[1] <= seen[2] && (!seen[2] || point[1] >= 0.5), "{point:?}");
+            (0..3).for_each(|at| counts[at] += usize::from(seen[at]));
+        }
+        assert!(counts[0] + 20 < counts[1] && counts[1] + 20 < counts[2], "{counts:?}");
+        assert_eq!((breeze.position_m, breeze.focal_px), (level.position_m, level.focal_px));
     }
 
     #[test]

@@ -1,7 +1,8 @@
 //! The frames of a scene: from where and under which sun each is taken.
 
 use flb_format::eye::Eye;
-use flb_scene::scene::{Camera, Instant, Scene, SunAt, SunHours, Suns, along};
+use flb_runtime::view::WaterPlane;
+use flb_scene::scene::{Camera, Instant, MovingWaves, Scene, SunAt, SunHours, Suns, along};
 
 use crate::StageError;
 
@@ -30,6 +31,15 @@ pub struct FrameSettings {
     pub count: Option<u32>,
     /// Whether a scene without a sun is refused.
     pub needs_sun: bool,
+}
+
+/// The water of a scene, as it counts what may be mirrored: waves turn it by twice their own slope, and slopes of more
+/// than 2.5 standard deviations along an axis are rare.
+pub fn water_plane(scene: &Scene) -> Option<WaterPlane> {
+    let water = scene.water.as_ref()?;
+    let of_waves = |moving: MovingWaves| 2.0 * 2.5 * moving.waves.rms_slope() / 2f64.sqrt();
+    let spread_deg = water.waves.map_or(0.0, of_waves).to_degrees().min(90.0) as f32;
+    Some(WaterPlane { height_m: water.height_m as f32, spread_deg })
 }
 
 /// A sun, or none, as steps name it.

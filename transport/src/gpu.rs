@@ -27,6 +27,7 @@ pub fn find_gpu() -> Result<String, GpuError> {
 ///
 /// # Errors
 /// As [`find_gpu`].
+#[cfg_attr(not(feature = "gpu"), expect(unused_variables, reason = "without GPUs there is nothing to count"))]
 pub fn find_gpus(most: usize) -> Result<Vec<String>, GpuError> {
     #[cfg(feature = "gpu")]
     return Ok(flb_gpu::find_alike(most)?.into_iter().map(|found| found.name).collect());

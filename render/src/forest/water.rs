@@ -43,8 +43,8 @@ pub(crate) struct Facet {
     pub share: f32,
 }
 
-/// Variance of the slopes that mirror some of the sun's disc as ripples do: a disc of radius 4.65 mrad is seen by
-/// half-way vectors of half that spread, with a variance of a quarter of the radius' square in both axes together.
+/// Variance, along both axes together, of the slopes that mirror some of the sun's disc. Of directions in a disc of
+/// radius r it is r^2/2; the sun's is 4.65 mrad, and what mirrors it turns half as far.
 const SUN_VARIANCE: f64 = 0.00465 * 0.00465 / 8.0;
 
 /// Squares of slopes, in variances, beyond which ripples are so rare that no shadow ray looks for the sun: e^-16 of the

@@ -15,7 +15,7 @@ use flb_format::{Container, Placement};
 
 use super::Units;
 use crate::Daylight;
-use crate::view::{Camera, Frustum, Instance, dot, unit};
+use crate::view::{Camera, Frustum, Instance, WaterPlane, dot, unit};
 
 /// Cells along an edge of the map of directions: about 6 degrees each.
 const EDGE: usize = 32;
@@ -195,15 +195,15 @@ impl NeedFinder {
         self.find_in(placed, &[camera.frustum()], light)
     }
 
-    /// Finds the need of a frame of a scene with level water at a height: what it mirrors may be seen as well.
+    /// Finds the need of a frame of a scene with water: what it mirrors may be seen as well.
     pub fn find_over_water(
         &mut self,
         placed: &Placed,
         camera: &Camera,
-        water_m: Option<f32>,
+        water: Option<WaterPlane>,
         light: &Daylight,
     ) -> Need {
-        match water_m.and_then(|water_m| camera.frustum_in_water(water_m)) {
+        match water.and_then(|water| camera.frustum_in_water(water)) {
             Some(in_water) => self.find_in(placed, &[camera.frustum(), in_water], light),
             None => self.find(placed, camera, light),
         }

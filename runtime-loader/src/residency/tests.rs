@@ -7,7 +7,7 @@ use proptest::prelude::*;
 use super::*;
 use crate::extinction::Extinction;
 use crate::plants::{library, library_of_three, plant};
-use crate::view::Camera;
+use crate::view::{Camera, WaterPlane};
 use crate::{Daylight, Library, RuntimeError};
 
 mod finding;

@@ -21,6 +21,7 @@ use flb_runtime::{InstanceLight, Library, SpeciesLight};
 
 use super::on_gpu::{self, OnGpu};
 use super::{Shot, Show, marks};
+use crate::frames::water_plane;
 use crate::light::Skies;
 use crate::look::SKY_RAYS;
 use crate::neighbours::Neighbours;
@@ -347,10 +348,10 @@ impl<'s> Painter<'s> {
     /// What a shot needs of a library: of its sun and its sky, and of the further suns.
     fn need(&self, one: &mut Streamed, shot: &Shot, size: [u32; 2]) -> Need {
         let camera = Camera::of(&self.above_water(shot.eye), size);
-        let water_m = self.forest.water().map(|water| water.height_m as f32);
+        let water = water_plane(&self.stage.scene);
         let mut find = |[azimuth_deg, elevation_deg]: [f64; 2], sun: f32, sky: f32| {
             let daylight = Daylight { towards_sun: towards_sun(azimuth_deg, elevation_deg), sun, sky };
-            one.finder.find_over_water(&one.placed, &camera, water_m, &daylight)
+            one.finder.find_over_water(&one.placed, &camera, water, &daylight)
         };
         let mut need = find(shot.sun_deg, self.strength(shot), self.look.ambient);
         for sun_deg in self.look.suns_of(None) {

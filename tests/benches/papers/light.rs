@@ -38,8 +38,30 @@ impl<'a> Lit<'a> {
 
     /// What the camera sees, and the seconds that it took.
     pub(crate) fn trace(&self, edge: u32, samples: u32) -> (Fragments, f64) {
-        let view = View { eye: self.eye, width: edge, height: edge, samples, sky_rays: 0, time_s: 0.0 };
+        let view = self.view(edge, samples);
         timed(|| self.forest.trace(&view, &|_| Ok(())).expect("a sound view"))
+    }
+
+    fn view(&self, edge: u32, samples: u32) -> View {
+        View { eye: self.eye, width: edge, height: edge, samples, sky_rays: 0, time_s: 0.0 }
+    }
+
+    /// Seconds for what the dissertation's further thread prepares while a frame is drawn: the grid over the picture,
+    /// the one across the sun's rays, and the light of each plant under the sun.
+    pub(crate) fn prepare(&self, edge: u32, light: &[SpeciesLight<'_>], sun_deg: [f64; 2]) -> [f64; 3] {
+        let (view, boxes) = (self.view(edge, 1), self.forest.flat_boxes());
+        let daylight = daylight(sun_deg);
+        let (_, over_picture) = timed(|| boxes.view_grid(&view).expect("a sound view"));
+        let (_, across_sun) = timed(|| boxes.sun_grid(daylight.towards_sun, 0.0));
+        let (_, lit) = timed(|| self.lit(light, &daylight));
+        [over_picture, across_sun, lit]
+    }
+
+    fn lit<'l>(&self, light: &'l [SpeciesLight<'l>], daylight: &Daylight) -> Vec<Option<InstanceLight<'l>>> {
+        let of = |one: &Placement| {
+            light[one.species].lit_by(daylight, &one.transform).expect("all bases are there")
+        };
+        self.instances.iter().map(|one| Some(of(one))).collect()
     }
 
     /// A picture under a sun, blends and shadow structures included, and the seconds that it took.
@@ -51,14 +73,8 @@ impl<'a> Lit<'a> {
         indirect: Indirect,
     ) -> (Picture, f64) {
         timed(|| {
-            let daylight = Daylight { towards_sun: towards_sun(sun_deg[0], sun_deg[1]), sun: 1.0, sky: SKY };
-            let lit: Vec<Option<InstanceLight>> = self
-                .instances
-                .iter()
-                .map(|one| {
-                    Some(light[one.species].lit_by(&daylight, &one.transform).expect("all bases are there"))
-                })
-                .collect();
+            let daylight = daylight(sun_deg);
+            let lit = self.lit(light, &daylight);
             let cursors = LightCursors::new(&lit);
             let look = Look { indirect, indirect_scale: 1.0, ..Look::default() };
             let phi = |LightQuery { instance, point, facing }: LightQuery, out: &mut [f32; 3]| {
@@ -68,6 +84,10 @@ impl<'a> Lit<'a> {
             self.forest.relight(fragments, &lighting, &look, &phi, &|_| Ok(())).expect("a finite light")
         })
     }
+}
+
+fn daylight([azimuth, elevation]: [f64; 2]) -> Daylight {
+    Daylight { towards_sun: towards_sun(azimuth, elevation), sun: 1.0, sky: SKY }
 }
 
 /// Suns that move from east to west, 45 degrees to either side of the zenith.

@@ -115,6 +115,18 @@ fn tables(theirs: &Theirs, plants: &[&Plant], instances: Vec<Placement>, eye: Ey
     println!("\nIn parts: 4 rays, one worker, light as floats.\n");
     println!("| scene | primary | shadow, direct | light | theirs: primary | shadow | light, direct |");
     println!("|---|---:|---:|---:|---:|---:|---:|\n{parts}\n");
+    let prepared = suns.iter().map(|sun| lit.prepare(edge, &lights[2], *sun));
+    let [picture, sun, light] =
+        prepared.fold([0.0; 3], |sum, one| std::array::from_fn(|at| sum[at] + one[at]));
+    let mean = |seconds: f64| 1e3 * seconds / suns.len() as f64;
+    println!(
+        "To prepare for a frame, one thread, ms: {:.2} for the grid over the picture, {:.2} for the one across the sun's \
+         rays, {:.2} for the light of all plants ({}).\n",
+        mean(picture),
+        mean(sun),
+        mean(light),
+        WAYS[2]
+    );
     samples(theirs, &lit, &lights, wide);
 }
 

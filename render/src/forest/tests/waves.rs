@@ -97,7 +97,7 @@ fn a_glint_has_all_of_the_suns_light_that_water_mirrors() {
 }
 
 #[test]
-fn a_low_sun_glints_in_front_of_it_and_nowhere_under_a_plant_or_without_a_sun() {
+fn a_low_sun_glints_before_it_and_neither_behind_the_camera_nor_without_direct_light() {
     let meshes = meshes();
     let forest = grown_stand(&meshes, None).with_water(wavy(Some(BREEZE))).unwrap();
     // The camera looks to the north.

@@ -47,6 +47,8 @@ fn plants_that_are_not_seen_need_nothing() {
     assert!(moved.species[0].pixels > 1000.0, "moved before the camera");
 }
 
+const POND: Option<WaterPlane> = Some(WaterPlane { height_m: 0.0, spread_deg: 0.0 });
+
 #[test]
 fn plants_seen_in_water_alone_are_needed_as_from_the_other_side_of_it() {
     // Down at a pond, over which a plant stands on a rock.
@@ -55,20 +57,20 @@ fn plants_seen_in_water_alone_are_needed_as_from_the_other_side_of_it() {
     let placed = Placed::new(LIBRARY.container(), vec![plant]);
     let mut finder = NeedFinder::new(LIBRARY.container(), &UNITS);
     assert_eq!(finder.find_over_water(&placed, &down, None, &NOON).species[0].pixels, 0.0);
-    let seen = finder.find_over_water(&placed, &down, Some(0.0), &NOON).species.remove(0);
+    let seen = finder.find_over_water(&placed, &down, POND, &NOON).species.remove(0);
     let image = Camera { position_m: [0.0, -6.0, 20.0], forward: [0.0, 0.8, -1.0], ..down };
     let expected = finder.find(&placed, &image, &NOON).species.remove(0);
     assert!(seen.pixels > 1000.0);
     assert_eq!((seen.pixels, &seen.bases), (expected.pixels, &expected.bases));
     assert_eq!(seen.windows.as_ref().map(Vec::len), Some(1));
     // Seen twice, it counts twice.
-    let level = |water_m| finder.find_over_water(&placed, &camera(), water_m, &NOON).species.remove(0).pixels;
-    let [alone, with_image] = [None, Some(0.0)].map(level);
+    let level = |water| finder.find_over_water(&placed, &camera(), water, &NOON).species.remove(0).pixels;
+    let [alone, with_image] = [None, POND].map(level);
     assert!(alone > 0.0 && with_image > 1.1 * alone, "{alone} {with_image}");
     // Five plants are few, though each is seen twice.
     let few = (0..5).map(|i| at(0, [2.0 * i as f32 - 4.0, 0.5, 0.0], NO_ROTATION));
     let placed = Placed::new(LIBRARY.container(), few);
-    let seen = finder.find_over_water(&placed, &camera(), Some(0.0), &NOON).species.remove(0);
+    let seen = finder.find_over_water(&placed, &camera(), POND, &NOON).species.remove(0);
     assert_eq!(seen.windows.map(|windows| windows.len()), Some(10));
 }
 
