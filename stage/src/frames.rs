@@ -158,3 +158,39 @@ fn course<'a>(scene: &'a Scene, settings: &'a FrameSettings) -> Result<Course<'a
         (suns, _, _) => Ok(Course::Between(suns)),
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use flb_scene::scene::Water;
+    use flb_scene::waves::Waves;
+
+    use super::*;
+    use crate::tests::stand;
+
+    fn over(waves: Option<MovingWaves>) -> Scene {
+        let ground = None;
+        let water = Some(Water { height_m: 0.25, color: [0.1; 3], waves });
+        Scene { ground, water, ..stand().scene }
+    }
+
+    #[test]
+    fn waves_move_from_frame_to_frame_and_turn_what_is_mirrored() {
+        let times = |waves: Option<MovingWaves>| -> Vec<f64> {
+            let settings = FrameSettings { count: Some(3), ..FrameSettings::default() };
+            let frames = frames(&over(waves), &settings).expect("camera and sun");
+            frames.iter().map(|frame| frame.time_s).collect()
+        };
+        let moving = |step_s| Some(MovingWaves { waves: Waves::default(), time_s: 4.0, step_s });
+        assert_eq!(times(None), [0.0; 3]);
+        assert_eq!(times(moving(0.0)), [4.0; 3]);
+        assert_eq!(times(moving(-0.5)), [4.0, 3.5, 3.0]);
+        let spread = |waves| water_plane(&over(waves)).expect("it has water").spread_deg;
+        assert_eq!(spread(None), 0.0);
+        let [breeze, wind] = [3.0, 12.0].map(|wind_m_s| {
+            let waves = Waves { wind_m_s, ..Waves::default() };
+            spread(Some(MovingWaves { waves, time_s: 0.0, step_s: 0.0 }))
+        });
+        assert!(10.0 < breeze && breeze < wind && wind < 90.0, "{breeze} and {wind} degrees");
+        assert_eq!(water_plane(&stand().scene), None);
+    }
+}
