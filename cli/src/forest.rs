@@ -24,7 +24,7 @@ use crate::mesh_of_light::Said;
 use crate::picture::{Rendered, check_layers, picture_format, sheet, write};
 use crate::print::{self, line};
 use crate::size::{Measured, Mend};
-use crate::sky::{read_backdrop, read_sky};
+use crate::sky::read_sky;
 use crate::stages::Stages;
 
 /// What stands in the scene.
@@ -68,8 +68,7 @@ pub(crate) fn run(args: &RenderArgs) -> Result<u8, Failure> {
         check_output_of(output, &[&args.file], args.existing)?;
     }
     let scene = read_scene(&args.file, &outputs.iter().map(PathBuf::as_path).collect::<Vec<_>>())?;
-    let sky = read_sky(&args.sky, &scene.sky)?;
-    let backdrop = read_backdrop(&args.sky, scene.backdrop.as_deref())?;
+    let sky = read_sky(&args.sky, &scene.sky, scene.backdrop.as_deref())?;
     let at_scene = |failure: Failure| failure.at(&args.file);
     let which = FrameSettings {
         suns_deg: args.sun.clone(),
@@ -103,7 +102,6 @@ pub(crate) fn run(args: &RenderArgs) -> Result<u8, Failure> {
         look: Look { indirect_scale: args.indirect_scale.unwrap_or(default.indirect_scale), ..default },
         shows: args.show.clone(),
         search: args.find.unwrap_or_default(),
-        backdrop,
     };
     let look = SceneLook::new(&stage, &settings, sky).map_err(|error| at_scene(error.into()))?;
     let exposure = args.exposure.unwrap_or(match args.show.contains(&SceneShow::Global) {

@@ -6,7 +6,6 @@ use flb_files::check_unread;
 use flb_format::SpeciesMeta;
 use flb_render::{Look, Portrait, Shading};
 use flb_scene::scene::SceneSky;
-use flb_scene::sky::Sky;
 use flb_scene::{ClassedMesh, Step};
 use flb_stage::alone::{PlantLook, PlantRenderer};
 use flb_stage::plant::PlantLight;
@@ -19,7 +18,7 @@ use crate::memory::{check, sampler_bytes};
 use crate::mesh_of_light::{MeshOfLight, Said, check_fit, mesh_of_species};
 use crate::picture::{Difference, Rendered, check_layers, picture_format, sheet, write};
 use crate::print::{self, line};
-use crate::sky::{read_backdrop, read_sky, sky_file, sky_files};
+use crate::sky::{read_sky, sky_file, sky_files};
 use crate::stages::Stages;
 
 /// A file, the species to show, and what it asks of the renderer.
@@ -29,14 +28,8 @@ struct Subject {
     exposure: f32,
 }
 
-/// The sky that lights the plant, and another that is drawn.
-struct Skies {
-    sky: StageSky,
-    backdrop: Option<Sky>,
-}
-
 impl Subject {
-    fn open(file: &Path, mesh: &Path, args: &RenderArgs, skies: &Skies) -> Result<Subject, Failure> {
+    fn open(file: &Path, mesh: &Path, args: &RenderArgs, sky: &StageSky) -> Result<Subject, Failure> {
         let library = open(file)?;
         let stem = mesh.file_stem().map(|stem| stem.to_string_lossy().into_owned());
         let index = choose_species(&library, args.species.as_deref(), stem.as_deref())?;
@@ -45,7 +38,7 @@ impl Subject {
         let needed = sampler_bytes(entry);
         check(&light.library, &format!("the bases of species {:?}", entry.meta.name), needed, &args.memory)?;
         let (look, exposure) =
-            look(args, &entry.meta, skies).map_err(|failure| failure.at(light.library.path()))?;
+            look(args, &entry.meta, sky).map_err(|failure| failure.at(light.library.path()))?;
         if !args.path_traced {
             light.tell_of_beam(&Said);
         }
@@ -104,9 +97,8 @@ pub(crate) fn run(args: &RenderArgs) -> Result<u8, Failure> {
     let format = picture_format(&args.output)?;
     check_layers(&args.output, format, &args.show)?;
     let stages = Stages::default();
-    let skies =
-        Skies { sky: read_sky(&args.sky, &SceneSky::Even)?, backdrop: read_backdrop(&args.sky, None)? };
-    let open = |file: &Path| Subject::open(file, mesh_file, args, &skies);
+    let sky = read_sky(&args.sky, &SceneSky::Even, None)?;
+    let open = |file: &Path| Subject::open(file, mesh_file, args, &sky);
     let subject = open(&args.file)?;
     let other = args.against.as_deref().map(open).transpose()?;
     let (meta, exposure) = (subject.light.meta(), subject.exposure);
@@ -192,8 +184,7 @@ fn text(rendered: &Rendered<()>) -> String {
 }
 
 /// What the flags ask for, of a file of its model, and stops of exposure.
-fn look(args: &RenderArgs, meta: &SpeciesMeta, skies: &Skies) -> Result<(PlantLook, f32), Failure> {
-    let Skies { sky, backdrop } = skies;
+fn look(args: &RenderArgs, meta: &SpeciesMeta, sky: &StageSky) -> Result<(PlantLook, f32), Failure> {
     let refuse = |message: &str| Err(Failure::new(USAGE, message));
     let shading = Shading::of(meta);
     let units = shading.units();
@@ -232,7 +223,6 @@ fn look(args: &RenderArgs, meta: &SpeciesMeta, skies: &Skies) -> Result<(PlantLo
         },
         ambient: args.ambient,
         sky: sky.clone(),
-        backdrop: backdrop.clone(),
         sunlight: args.sunlight.of_a_plant(),
         shows: args.show.clone(),
         is_path_traced: args.path_traced,

@@ -10,29 +10,30 @@ use flb_stage::StageSky;
 use crate::args::SkyArgs;
 use crate::exit::{Failure, USAGE};
 
-/// Reads the sky that the flags name, else the scene's; without both it is even.
-pub(crate) fn read_sky(args: &SkyArgs, scene: &SceneSky) -> Result<StageSky, Failure> {
+/// Reads the sky that the flags name, else the scene's; without both it is even. The image that is drawn in its
+/// place is the flag's, else the scene's, too.
+pub(crate) fn read_sky(
+    args: &SkyArgs,
+    scene: &SceneSky,
+    backdrop: Option<&Path>,
+) -> Result<StageSky, Failure> {
     let of_scene = match scene {
         SceneSky::Clear { turbidity } => Some(*turbidity),
         _ => None,
     };
     let turbidity = args.turbidity.or(of_scene).unwrap_or(CLEAR_TURBIDITY);
     let sky = match (args.sky.as_deref().map(|word| (word, word.to_str())), scene) {
-        (Some((_, Some("even"))), _) | (None, SceneSky::Even) => StageSky::Even,
+        (Some((_, Some("even"))), _) | (None, SceneSky::Even) => StageSky::EVEN,
         // Refused before anything is read.
         (Some((_, Some("clear"))), _) | (None, SceneSky::Clear { .. }) => StageSky::clear(turbidity)?,
         (Some((file, _)), _) => StageSky::image(file)?,
         (None, SceneSky::Image(file)) => StageSky::image(file)?,
     };
-    if args.turbidity.is_some() && !matches!(sky, StageSky::Clear { .. }) {
+    if args.turbidity.is_some() && !sky.is_clear() {
         return Err(Failure::new(USAGE, "--turbidity is for --sky clear"));
     }
-    Ok(sky)
-}
-
-/// Reads the sky that is drawn in the place of the one that lights: the flag's, else the scene's.
-pub(crate) fn read_backdrop(args: &SkyArgs, scene: Option<&Path>) -> Result<Option<Sky>, Failure> {
-    Ok(args.backdrop.as_deref().or(scene).map(Sky::read).transpose()?)
+    let backdrop = args.backdrop.as_deref().or(backdrop);
+    Ok(sky.with_backdrop(backdrop.map(Sky::read).transpose()?))
 }
 
 /// Files of images that the flags name.

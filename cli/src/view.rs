@@ -21,7 +21,7 @@ use crate::forest;
 use crate::inputs::{check_output_of, read_scene};
 use crate::memory::check_plants;
 use crate::print::{self, line, say};
-use crate::sky::{read_backdrop, read_sky};
+use crate::sky::read_sky;
 
 /// Where the sun stands by default.
 const SUN_DEG: [f64; 2] = [135.0, 40.0];
@@ -76,8 +76,7 @@ pub(crate) fn run(args: &ViewArgs) -> Result<u8, Failure> {
     let plants = scene.species.iter().map(read).collect::<Result<Vec<_>, _>>()?;
     outputs.iter().try_for_each(|output| check_unread(output))?;
     check_base(args.show, &plants)?;
-    let sky = read_sky(&args.sky, &scene.sky)?;
-    let backdrop = read_backdrop(&args.sky, scene.backdrop.as_deref())?;
+    let sky = read_sky(&args.sky, &scene.sky, scene.backdrop.as_deref())?;
     let (needs_sun, is_even) = (sky.needs_sun(), sky.is_even());
     let plant_bytes = Stage::PLANT_BYTES + if is_even { 0 } else { Stage::SKY_BYTES };
     check_plants(&args.scene, scene.instances.len(), plant_bytes, &args.memory)?;
@@ -90,7 +89,6 @@ pub(crate) fn run(args: &ViewArgs) -> Result<u8, Failure> {
         irradiance: args.sunlight.sun_irradiance,
         added_suns: args.sunlight.added(),
         highlight: args.highlight.choice(),
-        backdrop,
         ..LookSettings::default()
     };
     let look =

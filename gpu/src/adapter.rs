@@ -31,14 +31,7 @@ pub fn find_alike(most: usize) -> Result<Vec<Found>, DeviceError> {
 
 /// The GPU that wgpu ranks highest and others of its name, one at least.
 pub(crate) fn alike(most: usize) -> Result<Vec<(wgpu::Adapter, Found)>, DeviceError> {
-    if most <= 1 {
-        return Ok(vec![adapter()?]);
-    }
-    let mut all = adapters()?;
-    let kind = all[0].1.clone();
-    all.retain(|(_, found)| *found == kind);
-    all.truncate(most);
-    Ok(all)
+    adapters(most, |best, other| best == other)
 }
 
 /// OpenGL is asked only where nothing better is there: its drivers talk on stderr.
@@ -57,10 +50,16 @@ pub(crate) fn adapter() -> Result<(wgpu::Adapter, Found), DeviceError> {
     Ok((adapter, found))
 }
 
-/// That one, and after it all others that are reached in the same way, so that none is named twice; software only if it
-/// is software itself.
-pub(crate) fn adapters() -> Result<Vec<(wgpu::Adapter, Found)>, DeviceError> {
+/// That one, and after it so many others that are `wanted` beside it and reached in the same way, so that none is named
+/// twice; software only if it is software itself.
+pub(crate) fn adapters(
+    most: usize,
+    wanted: impl Fn(&Found, &Found) -> bool,
+) -> Result<Vec<(wgpu::Adapter, Found)>, DeviceError> {
     let (best, found) = adapter()?;
+    if most <= 1 {
+        return Ok(vec![(best, found)]);
+    }
     let backends = wgpu::Backends::from(best.get_info().backend);
     let all = pollster::block_on(instance(backends).enumerate_adapters(backends));
     let with_found = |adapter: wgpu::Adapter| {
@@ -71,8 +70,10 @@ pub(crate) fn adapters() -> Result<Vec<(wgpu::Adapter, Found)>, DeviceError> {
         all.into_iter().map(with_found).filter(|(_, other)| other.is_software == found.is_software).collect();
     match all.iter().position(|(_, other)| *other == found) {
         Some(first) => all[..=first].rotate_right(1),
-        None => all.insert(0, (best, found)),
+        None => all.insert(0, (best, found.clone())),
     }
+    all.retain(|(_, other)| wanted(&found, other));
+    all.truncate(most);
     Ok(all)
 }
 

@@ -44,29 +44,23 @@ impl Gpu {
     /// # Errors
     /// As [`Gpu::open`], of any of them.
     pub fn open_up_to(wanted: wgpu::Features, most: usize) -> Result<Vec<Gpu>, DeviceError> {
-        if most <= 1 {
-            return Ok(vec![Gpu::open(wanted)?]);
-        }
-        let all = adapter::adapters()?.into_iter().take(most);
+        let all = adapter::adapters(most, |_, _| true)?.into_iter();
         all.map(|one| open_on(one, wanted, |_| wgpu::Limits::default())).collect()
     }
 
-    /// Opens a GPU as [`Gpu::open`], with buffers, and bindings of them, as large as it has, up to so many bytes.
-    ///
-    /// # Errors
-    /// As [`Gpu::open`].
-    pub fn open_with_buffers(wanted: wgpu::Features, most_bytes: u64) -> Result<Gpu, DeviceError> {
-        open(wanted, |offered| with_buffers(offered, most_bytes))
-    }
-
-    /// Opens the GPU of [`Gpu::open_with_buffers`] and others of its kind, up to so many as are asked for and as there
-    /// are: at least one. They compute the same bytes.
+    /// Opens the GPU of [`Gpu::open`] and others of its kind, up to so many as are asked for and as there are: at least
+    /// one; with buffers, and bindings of them, as large as they have, up to so many bytes. All compute the same.
     ///
     /// # Errors
     /// As [`Gpu::open`], of any of them.
     pub fn open_alike(wanted: wgpu::Features, most_bytes: u64, most: usize) -> Result<Vec<Gpu>, DeviceError> {
         let all = adapter::alike(most)?.into_iter();
-        all.map(|one| open_on(one, wanted, |offered| with_buffers(offered, most_bytes))).collect()
+        let limits = |offered: wgpu::Limits| wgpu::Limits {
+            max_storage_buffer_binding_size: offered.max_storage_buffer_binding_size.min(most_bytes),
+            max_buffer_size: offered.max_buffer_size.min(most_bytes),
+            ..wgpu::Limits::default()
+        };
+        all.map(|one| open_on(one, wanted, limits)).collect()
     }
 
     /// Watches a device that is open already, as a renderer's. The handlers of its errors are replaced.
@@ -97,14 +91,6 @@ impl Gpu {
 
     pub(crate) fn failed(&self, message: String) -> DeviceError {
         DeviceError::Failed { adapter: self.name.clone(), message }
-    }
-}
-
-fn with_buffers(offered: wgpu::Limits, most_bytes: u64) -> wgpu::Limits {
-    wgpu::Limits {
-        max_storage_buffer_binding_size: offered.max_storage_buffer_binding_size.min(most_bytes),
-        max_buffer_size: offered.max_buffer_size.min(most_bytes),
-        ..wgpu::Limits::default()
     }
 }
 

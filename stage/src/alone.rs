@@ -36,8 +36,6 @@ pub struct PlantLook {
     pub ambient: Option<f32>,
     /// The sky.
     pub sky: StageSky,
-    /// A sky that is drawn in its place ([`Lighting::backdrop`](flb_render::Lighting::backdrop)).
-    pub backdrop: Option<Sky>,
     /// Light of the sun, and further suns.
     pub sunlight: Sunlight,
     /// Contents of the pictures, one layer each; not none. A plant alone has no [`SceneShow::Global`].
@@ -193,8 +191,7 @@ impl<'p> PlantRenderer<'p> {
         let PlantLook { ambient, sky, sunlight, .. } = &self.look;
         let units = self.plant.shading.units();
         let ambient = (self.look.even_ambient(units), *ambient);
-        let backdrop = self.look.backdrop.as_ref();
-        let sources = Sources { sky, backdrop, ambient, sunlight, units, look };
+        let sources = Sources { sky, ambient, sunlight, units, look };
         sources.parts(sun_deg, |sun_deg| self.look.sun_strength(Some(sun_deg)))
     }
 }

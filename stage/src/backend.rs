@@ -9,6 +9,24 @@ pub enum GpuCount {
     Exactly(usize),
 }
 
+impl GpuCount {
+    /// Largest number that is opened.
+    pub fn most(self) -> usize {
+        match self {
+            GpuCount::All => usize::MAX,
+            GpuCount::Exactly(count) => count,
+        }
+    }
+
+    /// The number that was asked for, where so many are fewer.
+    pub fn missed_by(self, found: usize) -> Option<usize> {
+        match self {
+            GpuCount::Exactly(count) if found < count => Some(count),
+            _ => None,
+        }
+    }
+}
+
 /// Device on which frames are made.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Backend {

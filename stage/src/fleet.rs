@@ -149,16 +149,10 @@ impl Fleet {
 
 /// The GPUs that were asked for.
 fn open(count: GpuCount) -> Result<Vec<Gpu>, StageError> {
-    let most = match count {
-        GpuCount::All => usize::MAX,
-        GpuCount::Exactly(count) => count,
-    };
-    let gpus = Gpu::open_up_to(on_gpu::FEATURES, most).map_err(ForestError::from)?;
-    match count {
-        GpuCount::Exactly(expected) if gpus.len() < expected => {
-            Err(StageError::GpuCount { found: names(&gpus), expected })
-        }
-        _ => Ok(gpus),
+    let gpus = Gpu::open_up_to(on_gpu::FEATURES, count.most()).map_err(ForestError::from)?;
+    match count.missed_by(gpus.len()) {
+        Some(expected) => Err(StageError::GpuCount { found: names(&gpus), expected }),
+        None => Ok(gpus),
     }
 }
 

@@ -4,7 +4,6 @@ use flb_render::forest::{Search, View};
 use flb_render::shading::Units;
 use flb_render::{Lighting, Look};
 use flb_scene::scene::{AddedSun, HighlightChoice, Sunlight};
-use flb_scene::sky::Sky;
 
 use crate::parts::{Parts, Sources};
 use crate::plant::ScenePlant;
@@ -36,8 +35,6 @@ pub struct LookSettings {
     pub shows: Vec<SceneShow>,
     /// Search structures for what rays meet; they change no bit of a picture.
     pub search: Search,
-    /// A sky that is drawn in the place of the one that lights the scene ([`Lighting::backdrop`]).
-    pub backdrop: Option<Sky>,
 }
 
 impl Default for LookSettings {
@@ -53,7 +50,6 @@ impl Default for LookSettings {
             highlight: HighlightChoice::default(),
             shows: vec![SceneShow::Light],
             search: Search::default(),
-            backdrop: None,
         }
     }
 }
@@ -75,8 +71,6 @@ pub struct SceneLook {
     pub search: Search,
     /// The sky.
     pub sky: StageSky,
-    /// A sky that is drawn in its place.
-    pub backdrop: Option<Sky>,
     /// Light of the sun of a frame, and further suns.
     pub sunlight: Sunlight,
     /// Whether the sun goes down behind a ground, or water.
@@ -119,7 +113,6 @@ impl SceneLook {
             shows: settings.shows.clone(),
             search: settings.search,
             sky,
-            backdrop: settings.backdrop.clone(),
             sunlight: Sunlight {
                 irradiance: settings.irradiance.unwrap_or(scene.sunlight.irradiance),
                 added: settings.added_suns.clone().unwrap_or_else(|| scene.sunlight.added.clone()),
@@ -153,7 +146,6 @@ impl SceneLook {
     pub(crate) fn parts(&self, sun_deg: Option<[f64; 2]>, shown: &Look) -> Result<Parts, StageError> {
         let sources = Sources {
             sky: &self.sky,
-            backdrop: self.backdrop.as_ref(),
             ambient: (self.ambient, self.asked_ambient),
             sunlight: &self.sunlight,
             units: self.units,
@@ -179,8 +171,7 @@ impl SceneLook {
     /// [`StageError::Sky`].
     pub fn lighting(&self, sun_deg: Option<[f64; 2]>) -> Result<Lighting, StageError> {
         let (sun, sky) = ((sun_deg, self.strength(sun_deg)), (self.ambient, self.asked_ambient));
-        let lighting = self.sky.lighting(sun, sky, self.units)?;
-        Ok(Lighting { backdrop: self.backdrop.clone(), ..lighting })
+        self.sky.lighting(sun, sky, self.units)
     }
 }
 

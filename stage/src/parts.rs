@@ -7,15 +7,12 @@
 use flb_render::shading::Units;
 use flb_render::{Lighting, Look, Picture};
 use flb_scene::scene::Sunlight;
-use flb_scene::sky::Sky;
 
 use crate::{StageError, StageSky};
 
 /// What a picture is lit by.
 pub(crate) struct Sources<'a> {
     pub sky: &'a StageSky,
-    /// A sky that is drawn in its place.
-    pub backdrop: Option<&'a Sky>,
     /// Light of an even sky, and what was asked for.
     pub ambient: (f32, Option<f32>),
     pub sunlight: &'a Sunlight,
@@ -52,14 +49,13 @@ impl Sources<'_> {
     ) -> Result<Parts, StageError> {
         let strength_of_sun = sun_deg.map_or(0.0, &strength);
         let lighting = self.sky.lighting((sun_deg, strength_of_sun), self.ambient, self.units)?;
-        let lighting = Lighting { backdrop: self.backdrop.cloned(), ..lighting };
         let whole = Part { lighting, look: *self.look, sun_deg, factor: [1.0; 3] };
         let mut parts = self.of_first_sun(whole);
         for added in &self.sunlight.added {
             let sun_deg = Some(added.sun_deg);
             let strength = strength(added.sun_deg);
             if strength > 0.0 {
-                let alone = StageSky::Even.lighting((sun_deg, strength), (0.0, None), self.units)?;
+                let alone = StageSky::EVEN.lighting((sun_deg, strength), (0.0, None), self.units)?;
                 parts.others.push(self.sun(alone, sun_deg, added.irradiance));
             }
         }

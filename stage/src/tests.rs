@@ -93,7 +93,7 @@ fn streamed_light_that_is_all_there_makes_the_frame_of_whole_files() {
     let clear = StageSky::clear(3.0).expect("a sky");
     let mut pictures = Vec::new();
     for (suns, sky) in
-        [(&SunBasis::Lattice18, StageSky::Even), (&harmonics, StageSky::Even), (&harmonics, clear)]
+        [(&SunBasis::Lattice18, StageSky::EVEN), (&harmonics, StageSky::EVEN), (&harmonics, clear)]
     {
         let stage = stand_of(suns);
         let frames = frames(&stage.scene, &FrameSettings::default()).expect("camera and sun");
@@ -124,14 +124,12 @@ fn of_a_plant_alone_direct_and_indirect_light_make_the_picture() {
         let look = Look { indirect, ..Look::default() };
         let sunlight = Sunlight::default();
         let shows = vec![SceneShow::Light];
-        let (backdrop, ambient) = (None, None);
-        let look =
-            PlantLook { portrait, look, ambient, sky, backdrop, sunlight, shows, is_path_traced: false };
+        let look = PlantLook { portrait, look, ambient: None, sky, sunlight, shows, is_path_traced: false };
         let renderer = PlantRenderer::new(&plant.mesh, light, look, &[SUN_DEG]).expect("it is read");
         renderer.picture(Some(SUN_DEG), &Unobserved).expect("a picture")
     };
     let [on, off, only] =
-        [Indirect::On, Indirect::Off, Indirect::Only].map(|part| picture(part, StageSky::Even));
+        [Indirect::On, Indirect::Off, Indirect::Only].map(|part| picture(part, StageSky::EVEN));
     let sum = Picture { rgb: off.rgb.iter().zip(&only.rgb).map(|(a, b)| a + b).collect(), ..off.clone() };
     assert!(apart(&on, &sum) < 1e-4, "{}", apart(&on, &sum));
     assert!(apart(&on, &off) > 0.01 && apart(&on, &only) > 0.01);
@@ -171,10 +169,10 @@ fn frames_go_from_the_first_camera_and_sun_to_the_last_and_a_kept_renderer_takes
         [120.0, 185.0, 250.0]
     );
     assert_eq!(frames[2].eye.position_m[0], frames[0].eye.position_m[0] + 3.0);
-    let mut kept = renderer(&stage, &frames, StageSky::Even);
+    let mut kept = renderer(&stage, &frames, StageSky::EVEN);
     for frame in frames.iter().chain([&frames[2], &frames[0]]) {
         let found = kept.picture(frame, &Unobserved).expect("a picture");
-        let fresh = renderer(&stage, &frames, StageSky::Even).picture(frame, &Unobserved).expect("a picture");
+        let fresh = renderer(&stage, &frames, StageSky::EVEN).picture(frame, &Unobserved).expect("a picture");
         assert_eq!(apart(&found, &fresh), 0.0);
     }
 }

@@ -52,7 +52,7 @@ fn paper(args: &BakeArgs) -> Result<PaperSettings, Failure> {
     Ok(PaperSettings {
         steps,
         solver: match args.solver {
-            SolverArg::Auto if on_gpu(args) => SolverKind::Gpu { most: most_gpus(args) },
+            SolverArg::Auto if on_gpu(args) => SolverKind::Gpu { most: gpu_count(args).most() },
             SolverArg::Auto if steps.is_some() => SolverKind::Explicit,
             SolverArg::Auto | SolverArg::Sweep => SolverKind::Sweep,
             SolverArg::Explicit => SolverKind::Explicit,
@@ -98,7 +98,7 @@ fn physical(args: &BakeArgs) -> Result<PhysicalSettings, Failure> {
         tolerance,
         max_passes: args.max_sweeps,
         monte_carlo_suns: flags.monte_carlo.into(),
-        backend: if on_gpu(args) { Backend::Gpu { most: most_gpus(args) } } else { Backend::Cpu },
+        backend: if on_gpu(args) { Backend::Gpu { most: gpu_count(args).most() } } else { Backend::Cpu },
         keep_cloud: false,
     })
 }
@@ -124,27 +124,20 @@ fn on_gpu(args: &BakeArgs) -> bool {
     }
 }
 
-/// GPUs that may share a solve.
-fn most_gpus(args: &BakeArgs) -> usize {
-    match args.gpus {
-        None => 1,
-        Some(GpuCount::All) => usize::MAX,
-        Some(GpuCount::Exactly(count)) => count,
-    }
+/// GPUs that share a solve.
+fn gpu_count(args: &BakeArgs) -> GpuCount {
+    args.gpus.unwrap_or(GpuCount::Exactly(1))
 }
 
 /// Says on stderr which GPUs solve, where they are asked for, and where none that is hardware was found.
 pub(crate) fn say_device(args: &BakeArgs) -> Result<(), Failure> {
     if on_gpu(args) {
-        let gpus = find_gpus(most_gpus(args)).map_err(OrdinatesError::Gpu)?;
-        match args.gpus {
-            Some(GpuCount::Exactly(count)) if gpus.len() < count => {
-                let message =
-                    format!("--gpus {count}: found {} of one kind: {}", gpus.len(), gpus.join(", "));
-                return Err(Failure::new(UNSUPPORTED, message));
-            }
-            _ => say!("solving on {}", gpus.join(", ")),
+        let gpus = find_gpus(gpu_count(args).most()).map_err(OrdinatesError::Gpu)?;
+        if let Some(count) = gpu_count(args).missed_by(gpus.len()) {
+            let message = format!("--gpus {count}: found {} of one kind: {}", gpus.len(), gpus.join(", "));
+            return Err(Failure::new(UNSUPPORTED, message));
         }
+        say!("solving on {}", gpus.join(", "));
     } else if args.backend == BackendArg::Auto {
         match find_gpu() {
             Ok(software) => say!("solving on the CPU: {software} is software"),

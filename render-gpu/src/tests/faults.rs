@@ -43,7 +43,7 @@ fn a_lost_gpu_is_an_error() {
 fn a_forest_that_does_not_fit_the_buffers_is_refused_with_both_numbers() {
     let meshes = meshes();
     let forest = two(&meshes, Shading::Paper, &stand(3, 8.0, [0.0; 3]), None);
-    let gpu = Gpu::open_with_buffers(wgpu::Features::empty(), 512 << 10).unwrap();
+    let gpu = Gpu::open_alike(wgpu::Features::empty(), 512 << 10, 1).unwrap().remove(0);
     // Light's own buffers are larger, so they are made elsewhere: refused before they are bound.
     let lights = dark(&super::gpu(), 2);
     let error = GpuForest::new(&gpu, &forest, &lights, settings()).err().unwrap();

@@ -121,7 +121,7 @@ fn grids_make_room_for_larger_ones() {
 
 #[test]
 fn grids_for_which_there_is_no_room_are_refused_with_both_numbers() {
-    let gpu = flb_gpu::Gpu::open_with_buffers(wgpu::Features::empty(), 4096).unwrap();
+    let gpu = flb_gpu::Gpu::open_alike(wgpu::Features::empty(), 4096, 1).unwrap().remove(0);
     let mut statics = Statics::new(&gpu, &Models::new()).unwrap();
     let still = statics.put(&gpu, 0, &[7; 100]).unwrap().first;
     let error = statics.put(&gpu, 100, &[7; 1000]).err().unwrap();

@@ -3,7 +3,7 @@ use std::path::Path;
 use super::*;
 use crate::import::ImportError;
 
-const SCENE: &str = r#"
+pub(super) const SCENE: &str = r#"
 [[species]]
 name = "oak"
 file = "plants/oak.glb"
@@ -14,7 +14,7 @@ position_m = [1, 2, 3]
 yaw_deg = 90.0
 "#;
 
-fn parse(text: &str) -> Result<Scene, ImportError> {
+pub(super) fn parse(text: &str) -> Result<Scene, ImportError> {
     Scene::parse("forest.toml", Path::new("scenes"), text)
 }
 

@@ -24,7 +24,7 @@ fn stands() -> [Stage; 3] {
 
 /// A frame under a sun in a light.
 fn picture(stage: &Stage, sun_deg: [f64; 2], ambient: f32, sunlight: &Sunlight) -> Picture {
-    let mut look = look(stage, StageSky::Even);
+    let mut look = look(stage, StageSky::EVEN);
     (look.ambient, look.sunlight) = (ambient, sunlight.clone());
     of_look(stage, sun_deg, look)
 }
@@ -104,7 +104,7 @@ fn streamed_light_of_several_suns_is_that_of_whole_files() {
     for stage in stands() {
         let sunlight = Sunlight { irradiance: COLOR, added: vec![OTHER] };
         let found = picture(&stage, SUN_DEG, 0.4, &sunlight);
-        let mut look = look(&stage, StageSky::Even);
+        let mut look = look(&stage, StageSky::EVEN);
         look.sunlight = sunlight;
         let mut painter = Painter::new(&stage, look, 64 << 20).expect("a painter");
         let shot = Shot { eye: frame(&stage).eye, sun_deg: SUN_DEG, show: Show::Whole };
@@ -117,12 +117,12 @@ fn streamed_light_of_several_suns_is_that_of_whole_files() {
 #[test]
 fn layers_of_a_frame_add_up_and_alpha_takes_the_sky_away() {
     for stage in &stands()[..2] {
-        let mut look = look(stage, StageSky::Even);
+        let mut look = look(stage, StageSky::EVEN);
         look.sunlight = Sunlight { irradiance: COLOR, added: vec![OTHER] };
         let shows = [SceneShow::Light, SceneShow::Direct, SceneShow::Indirect, SceneShow::Base(1)];
         let layers = |shows: &[SceneShow]| {
             let settings = LookSettings { shows: shows.to_vec(), samples: 1, ..LookSettings::default() };
-            let mut made = SceneLook::new(stage, &settings, StageSky::Even).expect("a look");
+            let mut made = SceneLook::new(stage, &settings, StageSky::EVEN).expect("a look");
             (made.size, made.sunlight) = (SIZE, look.sunlight.clone());
             let look = made;
             let frame = frame(stage);
@@ -150,7 +150,7 @@ fn what_cannot_be_shown_is_refused() {
     let stage = stand_of(&SunBasis::Lattice18);
     let refused = |shows: &[SceneShow]| {
         let settings = LookSettings { shows: shows.to_vec(), ..LookSettings::default() };
-        SceneLook::new(&stage, &settings, StageSky::Even).expect_err("it is refused").to_string()
+        SceneLook::new(&stage, &settings, StageSky::EVEN).expect_err("it is refused").to_string()
     };
     assert!(refused(&[]).starts_with("nothing is to be shown, expected each of light, direct"));
     assert!(refused(&[SceneShow::Alpha, SceneShow::Light, SceneShow::Alpha]).starts_with("alpha twice"));
@@ -158,9 +158,9 @@ fn what_cannot_be_shown_is_refused() {
     assert!(refused(&[SceneShow::Global]).contains("no scene light"));
     let shows = vec![SceneShow::Light, SceneShow::Alpha];
     let large = LookSettings { size: Some([8192, 8192]), shows, ..LookSettings::default() };
-    let error = SceneLook::new(&stage, &large, StageSky::Even).expect_err("it is refused").to_string();
+    let error = SceneLook::new(&stage, &large, StageSky::EVEN).expect_err("it is refused").to_string();
     assert_eq!(error, "134217728 pixels in all layers together, expected at most 67108864");
-    let mut look = look(&stage, StageSky::Even);
+    let mut look = look(&stage, StageSky::EVEN);
     look.shows = vec![SceneShow::Light, SceneShow::Alpha];
     let on_gpu = Backend::Gpu(GpuCount::Exactly(1));
     let error = SceneRenderer::new(&stage, look, &[frame(&stage)], on_gpu, &Unobserved).err();
@@ -171,7 +171,7 @@ fn what_cannot_be_shown_is_refused() {
 fn a_gpu_adds_up_several_suns_as_the_cpu_does() {
     for stage in &stands()[..2] {
         let light = |sunlight: &Sunlight| {
-            let mut look = look(stage, StageSky::Even);
+            let mut look = look(stage, StageSky::EVEN);
             look.sunlight = sunlight.clone();
             look
         };

@@ -20,7 +20,7 @@ fn gpu() -> Gpu {
 }
 
 fn painter(stage: &Stage) -> Painter<'_> {
-    Painter::new(stage, look(stage, StageSky::Even), 8 << 20).expect("a painter")
+    Painter::new(stage, look(stage, StageSky::EVEN), 8 << 20).expect("a painter")
 }
 
 fn shot(side: f64, sun_deg: [f64; 2]) -> Shot {

@@ -1,22 +1,9 @@
-use std::path::Path;
-
 use super::*;
 use crate::import::ImportError;
-use crate::scene::Scene;
-
-const PLANT: &str = r#"
-[[species]]
-name = "oak"
-file = "plants/oak.glb"
-
-[[instance]]
-species = "oak"
-position_m = [1, 2, 3]
-"#;
+use crate::scene::tests::{SCENE, parse};
 
 fn water(text: &str) -> Result<Option<Water>, ImportError> {
-    let text = format!("{text}\n{PLANT}");
-    Scene::parse("forest.toml", Path::new("scenes"), &text).map(|scene| scene.water)
+    parse(&format!("{text}\n{SCENE}")).map(|scene| scene.water)
 }
 
 #[test]
