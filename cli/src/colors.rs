@@ -89,6 +89,9 @@ pub(crate) fn say_colors(path: &Path, plant: &Plant) {
                 shares(&color.measured)
             );
         }
+        if let Some(note) = &color.note {
+            say!("{path}: material {name:?}: {note}");
+        }
         if color.clamped >= WORTH_A_WORD {
             say!(
                 "{path}: {:.1} % of the area of material {name:?} would reflect and transmit more than all light, and is \

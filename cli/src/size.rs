@@ -97,6 +97,16 @@ impl Mend {
                 "look at its image's alpha channel, or keep all of it (ignore_alpha of a species file)"
                     .to_owned()
             }
+            Doubt::WoodCut { .. } => {
+                "set its material's alphaMode to OPAQUE, or keep all of it (ignore_alpha of a species file)"
+                    .to_owned()
+            }
+            Doubt::Uncut { .. } => "set its material's alphaMode to MASK and export again".to_owned(),
+            Doubt::Card { .. } => {
+                let nodes = self.words("--node", "`nodes`");
+                let ignored = self.words("--ignore", "`ignore`");
+                format!("{nodes} chooses nodes or groups, {ignored} leaves out a material")
+            }
             Doubt::HighWood { .. } | Doubt::NoWood | Doubt::NoLeaf => {
                 let words = self.words("--wood, --leaf and --ignore", "`wood`, `leaf` and `ignore`");
                 format!("{words} say what each material is")

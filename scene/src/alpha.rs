@@ -56,7 +56,14 @@ impl Coverage {
     /// # Errors
     /// A texture that names no image of the mesh, or an image whose bytes do not match its size.
     pub fn of(mesh: &Mesh, material: usize) -> Result<Coverage, AlphaError> {
-        let material = &mesh.materials[material];
+        Coverage::of_material(mesh, &mesh.materials[material])
+    }
+
+    /// The coverage of a material that uses images of a mesh, whether it is one of the mesh or not.
+    ///
+    /// # Errors
+    /// As [`Coverage::of`].
+    pub fn of_material(mesh: &Mesh, material: &Material) -> Result<Coverage, AlphaError> {
         if material.alpha_mode == AlphaMode::Opaque {
             return Ok(Coverage::Full);
         }

@@ -255,13 +255,13 @@ fn by_itself(users: &Users, index: usize, patterns: &Patterns) -> Evidence {
         Some(factor) if factor > 0.0 => {
             return decided(MaterialClass::Leaf, format!("diffuse transmission {factor}"));
         }
-        Some(_) => {
+        Some(_) if material.passes_by_texture => {
             return decided(
                 MaterialClass::Wood,
                 "its texture of diffuse transmission lets nothing pass".to_owned(),
             );
         }
-        None => {}
+        _ => {}
     }
     let cutoff = match material.alpha_mode {
         AlphaMode::Cut { cutoff } => Some(cutoff),

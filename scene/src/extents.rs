@@ -7,6 +7,8 @@
 //! A doubt is no error: a giant sequoia and a moss are plants. It says what was found and what was expected; which flag
 //! mends it is for the command to say.
 
+mod alpha;
+mod card;
 mod enclosed;
 mod foot;
 mod seconds;
@@ -124,6 +126,33 @@ pub enum Doubt {
         /// Share of it that alpha leaves, 0..=1.
         left: f64,
     },
+    /// Alpha that is no outline cuts wood, as a map of gloss does that an exporter took for alpha.
+    WoodCut {
+        /// Name of the material.
+        material: String,
+        /// Name of its image.
+        image: String,
+        /// Share of the material that it cuts away, 0..=1.
+        cut: f64,
+    },
+    /// Leaves are opaque to their edges, though their image has an outline.
+    Uncut {
+        /// Name of the material.
+        material: String,
+        /// Name of its image.
+        image: String,
+        /// Share of the material outside of that outline, 0..=1.
+        outside: f64,
+    },
+    /// A few triangles as large as the plant are much of its leaf area, as cards that stand for it from afar are.
+    Card {
+        /// Number of these triangles.
+        triangles: u64,
+        /// Share of the leaf area, 0..=1.
+        share: f64,
+        /// Names of their materials.
+        materials: Vec<String>,
+    },
     /// The wood begins high above the lowest leaf.
     HighWood {
         /// Height of the lowest wood above the lowest leaf, metres.
@@ -168,6 +197,9 @@ impl Doubt {
             Doubt::NoWood => "no-wood",
             Doubt::NoLeaf => "no-leaf",
             Doubt::CutAway { .. } => "cut-away",
+            Doubt::WoodCut { .. } => "wood-cut",
+            Doubt::Uncut { .. } => "uncut",
+            Doubt::Card { .. } => "card",
         }
     }
 }
@@ -211,6 +243,27 @@ impl Display for Doubt {
                 let area = number(*area_m2);
                 write!(f, "alpha leaves {left} of material {material:?}, whose triangles have {area} m^2")
             }
+            Doubt::WoodCut { material, image, cut } => write!(
+                f,
+                "the alpha of {} cuts {:.0} % of the wood {material:?} away and is no outline, expected whole wood: it \
+                 looks like a map of gloss or height",
+                list(std::slice::from_ref(image)),
+                100.0 * cut
+            ),
+            Doubt::Uncut { material, image, outside } => write!(
+                f,
+                "{:.0} % of the leaves {material:?} lie outside of the outline in the alpha of {}, and the material is \
+                 opaque there (alphaMode OPAQUE, or none), expected MASK: whole cards count as leaf",
+                100.0 * outside,
+                list(std::slice::from_ref(image)),
+            ),
+            Doubt::Card { triangles, share, materials } => write!(
+                f,
+                "{triangles} triangles as large as the plant are {:.0} % of its leaf area (material {}), as a card that \
+                 stands for it from afar is; expected leaves alone",
+                100.0 * share,
+                list(materials)
+            ),
             Doubt::HighWood { above_m, height_m } => {
                 let [above, height] = [*above_m, *height_m].map(number);
                 write!(

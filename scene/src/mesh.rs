@@ -117,8 +117,10 @@ pub struct Material {
     /// Effect of alpha.
     pub alpha_mode: AlphaMode,
     /// Share of light that passes diffusely, from KHR_materials_diffuse_transmission: factor times the mean of its
-    /// texture over the surface.
+    /// texture over the surface. `None` where neither a factor nor a texture is stated.
     pub diffuse_transmission: Option<f32>,
+    /// Whether a texture says where light passes.
+    pub passes_by_texture: bool,
     /// Linear colour of the light that passes, where the file says one: factor times the mean of its texture.
     pub transmission_color: Option<[f32; 3]>,
     /// Texture whose A channel multiplies `diffuse_transmission`: while a file is read only, before materials are split
@@ -144,6 +146,7 @@ impl Material {
             alpha_texture: None,
             alpha_mode: AlphaMode::Opaque,
             diffuse_transmission: None,
+            passes_by_texture: false,
             transmission_color: None,
             passing_texture: None,
             passing_color_texture: None,

@@ -233,7 +233,7 @@ impl SpeciesFile {
     /// Rules of colour in the file.
     pub fn color_rules(&self) -> ColorRules {
         let (rules, sets) = (self.leaf_color.clone(), self.sets.clone());
-        ColorRules { flag: None, file: self.file.clone(), rules, sets }
+        ColorRules { flag: None, file: self.file.clone(), rules, sets, has_surfaces: self.surfaces.is_some() }
     }
 
     /// Import settings of the file; `over` (the command line) wins.

@@ -52,6 +52,8 @@ fn rules_are_asked_in_their_order() {
     let rule = |mesh: &Mesh| classify(mesh, &ClassRules::default()).unwrap().remove(0);
     assert_eq!(rule(&mesh).rule, "the alpha of 'a.png' cuts 50 % away");
     mesh.materials[0].diffuse_transmission = Some(0.0);
+    assert_eq!(rule(&mesh).class, Leaf, "a factor of 0 is an opaque leaf");
+    mesh.materials[0].passes_by_texture = true;
     assert_eq!(rule(&mesh).class, Wood, "a texture of what passes that is black says opaque");
     mesh.materials[0].diffuse_transmission = Some(0.5);
     assert_eq!(rule(&mesh).rule, "diffuse transmission 0.5");

@@ -15,8 +15,8 @@ use std::collections::HashMap;
 use std::sync::LazyLock;
 
 use lists::{
-    AND, FOREIGN, FOREIGN_WITHIN, LEAF, LEAF_WITHIN, LEAVES, NEUTRAL, PLURALS, STAND_INS, STAND_INS_WITHIN,
-    TRUNKS, WOOD, WOOD_WITHIN,
+    AND, COVERS, FOREIGN, FOREIGN_WITHIN, LEAF, LEAF_WITHIN, LEAVES, NEUTRAL, OF, PLURALS, STAND_INS,
+    STAND_INS_WITHIN, TRUNKS, WOOD, WOOD_WITHIN,
 };
 use unicode_normalization::UnicodeNormalization;
 
@@ -49,7 +49,10 @@ pub fn told(name: &str) -> Told {
             Told::Class(class, word) => match unknown {
                 Some(noun) if !is_in(PLURALS, part) => return Told::Unsure(noun.clone()),
                 _ if at > 0 && parts[0] == "col" => return Told::Foreign(parts[0].clone()),
-                _ => return both(&parts[..=at], class).unwrap_or(Told::Class(class, word)),
+                _ => {
+                    let plain = || both(&parts[..=at], class).unwrap_or(Told::Class(class, word));
+                    return head_before(&parts[..at], part).map_or_else(plain, Told::Foreign);
+                }
             },
             Told::Nothing if is_neutral(part) => {}
             Told::Nothing => unknown = unknown.or(Some(part)),
@@ -58,6 +61,16 @@ pub fn told(name: &str) -> Told {
         }
     }
     Told::Nothing
+}
+
+/// The thing that a word of a plant is only said of: one that stands right before a word of [`COVERS`], or before one
+/// of [`OF`].
+fn head_before(before: &[String], word: &str) -> Option<String> {
+    let is_thing = |part: &&String| matches!(told_by_part(part), Told::Foreign(_));
+    let says = |part: &&String| !is_neutral(part);
+    let next = before.iter().rev().find(says).filter(|_| is_in(COVERS, word)).filter(is_thing);
+    let of = before.windows(2).find(|pair| is_in(OF, &pair[1]) && is_thing(&&pair[0])).map(|pair| &pair[0]);
+    next.or(of).cloned()
 }
 
 /// The word of a name that says it is something beside a plant that stands for it.
@@ -246,6 +259,10 @@ mod tests {
             ("leafless_bark", Some(Wood)),
             ("crown_cap", Some(Wood)),
             ("rock_fern", Some(Leaf)),
+            ("stone_pine_needles", Some(Leaf)),
+            ("water_lily_flower", Some(Leaf)),
+            ("ground_ivy_leaves", Some(Leaf)),
+            ("feuilles_de_chene", Some(Leaf)),
             ("", None),
         ];
         for (name, class) in table {
@@ -278,6 +295,14 @@ mod tests {
             "TreeCollider",
             "leaves_billboard",
             "Impostor_Leaves",
+            "Ground_grass_0",
+            "rock_moss_01",
+            "pot_de_fleurs",
+            "maceta_con_flores",
+            "concrete_flower",
+            "plant_pot_wood",
+            "floor_wood",
+            "Bark_Chips",
         ];
         for name in foreign {
             assert!(matches!(told(name), Told::Foreign(_)), "{name}: {:?}", told(name));

@@ -43,6 +43,8 @@ pub struct MaterialColor {
     pub is_surprise: bool,
     /// Reason why a request was not followed.
     pub warning: Option<String>,
+    /// Sentence on a diffuse transmission that the file states for a leaf whose texels are a tint.
+    pub note: Option<String>,
     /// Area that alpha leaves, square metres.
     pub area_m2: f64,
     /// Share of it on which reflectance and transmittance are scaled down to 1 together.
@@ -89,7 +91,8 @@ pub fn resolve(mesh: &Mesh, classes: &[MaterialClass], measured: &Surfaces, rule
         .zip(shown)
         .zip(&found)
         .map(|((decision, (clamped, shown)), found)| {
-            let Decision { texture, measured, texel, rule, is_surprise, warning, .. } = decision.clone()?;
+            let Decision { texture, measured, texel, rule, is_surprise, warning, note, .. } =
+                decision.clone()?;
             let of_place = |place: usize| measured.get(place).map(|shares| shares.reflectance);
             let measured = places.into_iter().filter_map(of_place).collect();
             let area_m2 = found.area_m2;
@@ -100,6 +103,7 @@ pub fn resolve(mesh: &Mesh, classes: &[MaterialClass], measured: &Surfaces, rule
                 rule,
                 is_surprise,
                 warning,
+                note,
                 area_m2,
                 clamped,
                 shown,
@@ -151,6 +155,7 @@ struct Decision {
     rule: String,
     is_surprise: bool,
     warning: Option<String>,
+    note: Option<String>,
     surface: MaterialSurface,
 }
 
@@ -171,6 +176,7 @@ impl Decision {
         let is_colored = material.color_texture.is_some() || !is_white;
         let texture = (is_colored && found.area_m2 > 0.0).then_some(found.color);
         let asked = rules.source(&material.name, is_leaf);
+        let is_measured_asked = matches!(asked, Some((ColorSource::Measured, _)));
         let mut warning = None;
         let (texel, rule, is_surprise) = match (asked, texture) {
             (Some((ColorSource::Measured, origin)), _) => (Texel::Tint, origin, false),
@@ -207,7 +213,19 @@ impl Decision {
                 }
             }
         };
-        let surface = surface_of(material, texel, &measured, places, found.color.to_array());
+        // Measured leaves are divided as the file says, unless it is said that they are measured.
+        let is_measured = is_measured_asked || rules.has_surface(&material.name);
+        let is_used = texel == Texel::Albedo || (is_leaf && !is_measured);
+        let stated = material.diffuse_transmission;
+        let note = stated.filter(|_| is_leaf && texel == Texel::Tint).map(|stated| match is_used {
+            true => format!("of the light that it scatters {:.0} % pass, as its file says", 100.0 * stated),
+            false => format!(
+                "its file says that {:.0} % of its light pass; what is measured is taken",
+                100.0 * stated
+            ),
+        });
+        let passing = stated.filter(|_| is_used).map(|passes| (passes, material.transmission_color));
+        let surface = surface_of(passing, texel, &measured, places, found.color.to_array());
         Decision {
             texture: texture.map(|mean| mean.to_array()),
             measured,
@@ -215,35 +233,45 @@ impl Decision {
             rule,
             is_surprise,
             warning,
+            note,
             surface,
         }
     }
 }
 
-/// What is multiplied by a texel, or by a texel over the mean. Beyond R, G and B it is the measured surface.
-/// `mean` is that of the texels.
+/// What is multiplied by a texel, or by a texel over the mean. Beyond R, G and B it is the measured surface, but for
+/// the share that passes. `passing` is that share, and the colour of what passes where it has one of its own; `mean` is
+/// that of the texels.
 fn surface_of(
-    material: &Material,
+    passing: Option<(f32, Option<[f32; 3]>)>,
     texel: Texel,
     measured: &[MeanShares],
     colors: [usize; 3],
     mean: [f64; 3],
 ) -> MaterialSurface {
-    let scale = |(band, shares): (usize, &MeanShares)| match (texel, material.diffuse_transmission) {
-        (Texel::Albedo, Some(passes)) if colors.contains(&band) => {
-            let passes = f64::from(passes).clamp(0.0, 1.0);
-            // A colour of its own for what passes holds in the mean; else it is that of the texel.
-            let at = colors.iter().position(|color| *color == band).unwrap_or_default();
-            let color = material.transmission_color.map_or(1.0, |color| {
-                let ratio = f64::from(color[at]) / mean[at];
-                if ratio.is_finite() { ratio.min(MAX_RATIO) } else { 0.0 }
-            });
-            MeanShares { reflectance: 1.0 - passes, transmittance: passes * color }
-        }
+    // A colour of its own for what passes holds in the mean; else it is that of the texel.
+    let parts = |band: usize| {
+        let (passes, color) = passing?;
+        let passes = f64::from(passes).clamp(0.0, 1.0);
+        let at = colors.iter().position(|color| *color == band);
+        let color = at.zip(color).map_or(1.0, |(at, color)| {
+            let ratio = f64::from(color[at]) / mean[at];
+            if ratio.is_finite() { ratio.min(MAX_RATIO) } else { 0.0 }
+        });
+        Some(MeanShares { reflectance: 1.0 - passes, transmittance: passes * color })
+    };
+    let scale = |(band, shares): (usize, &MeanShares)| match (texel, parts(band)) {
+        (Texel::Albedo, Some(parts)) if colors.contains(&band) => parts,
         (Texel::Albedo, None) if colors.contains(&band) => {
             let ratio = shares.transmittance / shares.reflectance;
             let transmittance = if ratio.is_finite() { ratio.min(MAX_RATIO) } else { 0.0 };
             MeanShares { reflectance: 1.0, transmittance }
+        }
+        // All that a measured leaf scatters, divided as the file says.
+        (Texel::Tint, Some(parts)) if parts.reflectance + parts.transmittance > 0.0 => {
+            let scattered = shares.reflectance + shares.transmittance;
+            let scale = scattered / (parts.reflectance + parts.transmittance);
+            MeanShares { reflectance: scale * parts.reflectance, transmittance: scale * parts.transmittance }
         }
         _ => *shares,
     };
@@ -282,7 +310,13 @@ fn show(
     let of = |material: usize| {
         let Some(decision) = &decisions[material] else { return (0.0, Vec::new()) };
         let area_m2 = found[material].area_m2;
-        let mut shown = decision.measured.clone();
+        let surface = &decision.surface;
+        let own = surface.reflectance.iter().zip(&surface.transmittance);
+        let own = own.map(|(&reflectance, &transmittance)| MeanShares { reflectance, transmittance });
+        let mut shown: Vec<MeanShares> = match surface.texel {
+            Texel::Tint => own.collect(),
+            Texel::Albedo => decision.measured.clone(),
+        };
         if area_m2 <= 0.0 {
             return (0.0, shown);
         }

@@ -54,9 +54,16 @@ pub struct ColorRules {
     pub rules: Vec<ColorRule>,
     /// Surface sets of the species file; the first that matches counts.
     pub sets: Vec<SurfaceSet>,
+    /// Whether the species file says what all leaves reflect and let through.
+    pub has_surfaces: bool,
 }
 
 impl ColorRules {
+    /// Whether it is said what a material lets through, whatever its file says.
+    pub(super) fn has_surface(&self, name: &str) -> bool {
+        self.has_surfaces || self.set(name).is_some()
+    }
+
     /// What is said of a material, and by whom.
     pub(super) fn source(&self, name: &str, is_leaf: bool) -> Option<(ColorSource, String)> {
         if let Some(flag) = self.flag.filter(|_| is_leaf) {

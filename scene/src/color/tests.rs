@@ -250,6 +250,37 @@ fn diffuse_transmission_divides_the_texel() {
 }
 
 #[test]
+fn measured_leaves_are_divided_as_the_file_says() {
+    let of_factor = |factor: f32, rules: &ColorRules| {
+        let mut mesh = squares(&[&[GREEN]]);
+        mesh.materials[0].diffuse_transmission = Some(factor);
+        of(&mesh, &LEAF, rules)
+    };
+    let measured = knapp_carter();
+    for factor in [0.0, 0.4, 0.9] {
+        let colors = of_factor(factor, &ColorRules::default());
+        let (color, passes) = (leaf(&colors), f64::from(factor));
+        assert_eq!(color.texel, Texel::Tint);
+        assert!(color.note.as_ref().is_some_and(|note| note.contains("as its file says")), "{color:?}");
+        for (shown, band) in color.shown.iter().zip(&measured.bands) {
+            let scattered = band.leaf.reflectance + band.leaf.transmittance;
+            assert!((shown.transmittance - passes * scattered).abs() < 1e-6, "{factor}: {shown:?}");
+            assert!((shown.reflectance - (1.0 - passes) * scattered).abs() < 1e-6, "{factor}: {shown:?}");
+        }
+        let mean = &colors.mean.bands[1].leaf;
+        assert!((mean.transmittance - color.shown[1].transmittance).abs() < 1e-12, "{mean:?}");
+    }
+    // What is said of leaves, by a flag or a species file, goes before, and is told.
+    let surfaces = "[[surfaces]]\nname = 'R'\nleaf = { reflectance = 0.1, transmittance = 0.1 }\nwood = { reflectance = 0.1 }";
+    for rules in [asked(ColorSource::Measured), of_file(surfaces)] {
+        let colors = of_factor(0.9, &rules);
+        assert_eq!(colors.mean, measured);
+        assert!(leaf(&colors).note.as_ref().is_some_and(|note| note.contains("what is measured is taken")));
+    }
+    assert_eq!(leaf(&by_itself(&squares(&[&[GREEN]]))).note, None);
+}
+
+#[test]
 fn distances_of_colors_leave_brightness_out() {
     let green = DVec3::new(0.07, 0.125, 0.04);
     assert!(apart(3.0 * green, green) < 1e-12);

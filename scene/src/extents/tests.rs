@@ -5,6 +5,8 @@ use crate::mesh::testing::soup;
 use crate::mesh::{AlphaMode, Part, PartUse, around};
 use crate::{Mesh, PlantReader};
 
+mod exports;
+
 type Point = [f64; 3];
 
 /// A tube from one point to another, as four sides of two triangles; its ends are open.

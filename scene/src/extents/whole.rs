@@ -5,12 +5,10 @@ use std::collections::BTreeMap;
 
 use flb_format::meta::Bounds;
 
-use super::{Doubt, Extents, number};
-use crate::alpha::Coverage;
+use super::{Doubt, Extents, alpha, card, number};
 use crate::import::area;
-use crate::mesh::{AlphaMode, Part};
-use crate::sampling::on_triangle;
-use crate::{ClassedMesh, MaterialClass, Mesh};
+use crate::mesh::Part;
+use crate::{ClassedMesh, MaterialClass};
 
 /// Cells along the longer edge of the plant's ground plan.
 const CELLS: usize = 64;
@@ -24,13 +22,14 @@ const SAME_BOX: f64 = 0.02;
 const LIKE_BOX: f64 = 0.15;
 /// One level has so many times the triangles of the next.
 const FEWER: f64 = 1.5;
+/// Parts that are a plant each are so high at least, as a share of the height of all..
+const MIN_HEIGHT: f64 = 0.5;
+/// ..begin so far above the lowest of all at most..
+const MAX_FOOT: f64 = 0.1;
+/// ..and have their middles so many widths apart. Stems of one shrub stand nearer to each other.
+const BESIDE: f64 = 0.6;
 /// Names that a doubt lists.
 const LISTED: usize = 8;
-/// Alpha that leaves less than this share of a material is doubted: cards of needles keep several hundredths.
-const MIN_LEFT: f64 = 0.01;
-/// Triangles of a material that are looked at first, and points of each: most plants show enough there.
-const LOOKED_AT: usize = 1024;
-const POINTS: u32 = 16;
 /// Parts that are compared with each other.
 const COMPARED: usize = 256;
 
@@ -45,61 +44,9 @@ pub(super) fn doubts(plant: &ClassedMesh, extents: &Extents) -> Vec<Doubt> {
         (0, 1..) => found.push(Doubt::NoLeaf),
         _ => {}
     }
-    found.extend(cut_away(plant));
+    found.extend(alpha::doubts(plant));
+    found.extend(card::doubt(plant, extents));
     found
-}
-
-/// Materials of which alpha leaves next to nothing: by all texels of an image, or by those that its triangles show.
-fn cut_away(plant: &ClassedMesh) -> Vec<Doubt> {
-    let mesh = &plant.mesh;
-    let may_be = |material: usize| {
-        plant.classes[material] != MaterialClass::Neither
-            && mesh.materials[material].alpha_mode != AlphaMode::Opaque
-    };
-    let may_be: Vec<bool> = (0..mesh.materials.len()).map(may_be).collect();
-    let mut triangles: Vec<Vec<u32>> = vec![Vec::new(); mesh.materials.len()];
-    for (triangle, &material) in (0..).zip(&mesh.triangle_material) {
-        if may_be[material as usize] {
-            triangles[material as usize].push(triangle);
-        }
-    }
-    let mut found = Vec::new();
-    for (index, triangles) in triangles.into_iter().enumerate().filter(|(_, of_it)| !of_it.is_empty()) {
-        let Ok(coverage) = Coverage::of(mesh, index) else { continue };
-        if coverage == Coverage::Full {
-            continue;
-        }
-        let some = triangles.iter().copied().step_by(triangles.len().div_ceil(LOOKED_AT));
-        let [left_m2, area_m2] = left_of(mesh, &coverage, some);
-        if left_m2 >= MIN_LEFT * area_m2 {
-            continue;
-        }
-        let [left_m2, area_m2] = left_of(mesh, &coverage, triangles.into_iter());
-        if area_m2 > 0.0 && left_m2 < MIN_LEFT * area_m2 {
-            let material = mesh.materials[index].name.clone();
-            found.push(Doubt::CutAway { material, area_m2, left: left_m2 / area_m2 });
-        }
-    }
-    found
-}
-
-/// Area of triangles that is there, and of all of them, square metres.
-fn left_of(mesh: &Mesh, coverage: &Coverage, triangles: impl Iterator<Item = u32>) -> [f64; 2] {
-    let mut sums = [0.0; 2];
-    for triangle in triangles {
-        let corners = mesh.triangles[triangle as usize].map(|vertex| vertex as usize);
-        let uvs = corners.map(|vertex| mesh.uvs.get(vertex).copied().unwrap_or_default());
-        let is_there = |point: &u32| {
-            let [u, v] = on_triangle(triangle, *point);
-            let weights = [1.0 - u - v, u, v];
-            coverage.present_at([0, 1].map(|axis| (0..3).map(|k| weights[k] * uvs[k][axis]).sum()))
-        };
-        let share = (0..POINTS).filter(is_there).count() as f64 / f64::from(POINTS);
-        let area_m2 = area(corners.map(|vertex| mesh.positions[vertex].map(f64::from)));
-        sums[0] += share * area_m2;
-        sums[1] += area_m2;
-    }
-    sums
 }
 
 /// Levels of detail by their names, else by what fills the same box with fewer triangles.
@@ -113,6 +60,14 @@ fn levels(plant: &ClassedMesh, extents: &Extents) -> Option<Doubt> {
     for part in parts() {
         if let Some((stem, level)) = part.names.iter().find_map(|name| level_of(name)) {
             by_stem.entry(stem).or_default().entry(level).or_default().push(part.label());
+        }
+    }
+    // `oak` beside `oak_lod1` is the finest of them.
+    for part in parts() {
+        let own = part.names.iter().map(|name| name.to_lowercase()).find(|name| by_stem.contains_key(name));
+        if let Some(stem) = own {
+            let levels = by_stem.get_mut(&stem).expect("it was found");
+            levels.entry(String::new()).or_default().push(part.label());
         }
     }
     let several = by_stem.into_values().filter(|levels| levels.len() > 1);
@@ -133,8 +88,9 @@ fn levels(plant: &ClassedMesh, extents: &Extents) -> Option<Doubt> {
         let all: Vec<&Part> = parts().take(COMPARED).collect();
         for (at, a) in all.iter().enumerate() {
             let is_level = |b: &&&Part| fill_the_same_box(a, b) || are_both_whole(plant, extents, a, b);
-            if let Some(b) = all[at + 1..].iter().find(is_level) {
-                names = vec![a.label(), b.label()];
+            let others: Vec<&&Part> = all[at + 1..].iter().filter(is_level).collect();
+            if !others.is_empty() {
+                names = std::iter::once(a).chain(others).map(|part| part.label()).take(LISTED).collect();
                 break;
             }
         }
@@ -175,13 +131,9 @@ fn fill_the_same_box(a: &Part, b: &Part) -> bool {
 /// Whether two parts are a plant each, leaves and wood, of the same materials: one box and any numbers of triangles, or
 /// much the same box and clearly different numbers. Leaves of lower levels are larger, so that their box is, too.
 fn are_both_whole(plant: &ClassedMesh, extents: &Extents, a: &Part, b: &Part) -> bool {
-    let has =
-        |part: &Part, class| part.uses.iter().any(|used| plant.classes[used.material as usize] == class);
     let is_whole = |part: &Part| {
         let of_plant = Some(extents.bounds_m);
-        has(part, MaterialClass::Leaf)
-            && has(part, MaterialClass::Wood)
-            && off_by(part.bounds_m(), of_plant).is_some_and(|off| off <= LIKE_BOX)
+        has_both(plant, part) && off_by(part.bounds_m(), of_plant).is_some_and(|off| off <= LIKE_BOX)
     };
     let [few, many] = triangles_of_both(a, b);
     let tolerance = if many >= FEWER * few { LIKE_BOX } else { SAME_BOX };
@@ -254,7 +206,7 @@ fn apart(plant: &ClassedMesh, extents: &Extents) -> Option<Doubt> {
     let all: f64 = sums.iter().sum();
     let large: Vec<i32> = (0..count).filter(|&stand| sums[stand as usize] >= MIN_SHARE * all).collect();
     if large.len() < 2 {
-        return None;
+        return beside(plant, extents);
     }
     let stand_of = |part: &Part| {
         let bounds = part.bounds_m()?;
@@ -268,6 +220,39 @@ fn apart(plant: &ClassedMesh, extents: &Extents) -> Option<Doubt> {
         part.map_or_else(|| place_of(&stands, stand, low, cell_m), Part::label)
     };
     Some(Doubt::Apart { stands: large.into_iter().take(LISTED).map(named).collect() })
+}
+
+/// Parts that are a plant each, with leaves and wood, and stand beside each other, though their crowns meet.
+fn beside(plant: &ClassedMesh, extents: &Extents) -> Option<Doubt> {
+    let (bottom, height) = (extents.bounds_m.min[1], extents.size_m()[1]);
+    let box_of = |part: &Part| {
+        let bounds = part.bounds_m().filter(|_| has_both(plant, part))?;
+        let is_high = bounds.max[1] - bounds.min[1] >= MIN_HEIGHT * height;
+        (is_high && bounds.min[1] - bottom <= MAX_FOOT * height).then_some(bounds)
+    };
+    let mut stands: Vec<(Bounds, String)> = Vec::new();
+    for part in plant.mesh.parts.iter().take(COMPARED) {
+        let Some(bounds) = box_of(part) else { continue };
+        if stands.iter().all(|(other, _)| plan_apart(&bounds, other) >= BESIDE) {
+            stands.push((bounds, part.label()));
+        }
+    }
+    let names = stands.into_iter().take(LISTED).map(|(_, name)| name).collect::<Vec<_>>();
+    (names.len() > 1).then_some(Doubt::Apart { stands: names })
+}
+
+/// Distance of the middles of two boxes over the ground, in widths of the smaller one.
+fn plan_apart(a: &Bounds, b: &Bounds) -> f64 {
+    let width = |bounds: &Bounds| (bounds.max[0] - bounds.min[0]).max(bounds.max[2] - bounds.min[2]);
+    let off = |axis: usize| 0.5 * (a.min[axis] + a.max[axis] - b.min[axis] - b.max[axis]);
+    libm::hypot(off(0), off(2)) / width(a).min(width(b)).max(f64::MIN_POSITIVE)
+}
+
+/// Whether a part has leaves and wood.
+fn has_both(plant: &ClassedMesh, part: &Part) -> bool {
+    [MaterialClass::Leaf, MaterialClass::Wood]
+        .into_iter()
+        .all(|class| part.uses.iter().any(|used| plant.classes[used.material as usize] == class))
 }
 
 /// Where a stand is, in words.

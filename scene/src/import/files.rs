@@ -69,6 +69,11 @@ impl Files {
         }
     }
 
+    /// Notes so far.
+    pub(crate) fn notes(&self) -> &[String] {
+        &self.notes
+    }
+
     /// Keeps a sentence for the user, at most [`limits::WARNINGS`] and each once.
     pub(crate) fn warn(&mut self, sentence: String) {
         let sentence = format!("{}: {sentence}", self.file);

@@ -236,7 +236,7 @@ pub fn cut_share(image: &Image, cutoff: f32) -> f64 {
 }
 
 /// Share of texels whose alpha is neither near 0 nor near 1: few in the outline of a leaf, most in a map of gloss.
-pub(super) fn soft_share(image: &Image) -> f64 {
+pub fn soft_share(image: &Image) -> f64 {
     let texels = image.rgba.as_chunks::<4>().0;
     let soft = texels.iter().filter(|texel| (26..230).contains(&texel[3])).count();
     soft as f64 / texels.len().max(1) as f64

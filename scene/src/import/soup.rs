@@ -247,7 +247,15 @@ impl Soup {
         }
         if self.triangles.is_empty() {
             let detail = match read {
-                0 => "the file has none".to_owned(),
+                0 => match files.notes() {
+                    [] => "the file has none".to_owned(),
+                    // What a file hides is told by notes, which begin with its name.
+                    notes => {
+                        let told =
+                            notes.iter().filter_map(|note| note.strip_prefix(&format!("{}: ", files.file)));
+                        format!("it shows none: {}", told.collect::<Vec<_>>().join("; "))
+                    }
+                },
                 _ => format!("{read} were read, none of which has an area"),
             };
             return Err(ImportError::NoTriangles { file: files.file.clone(), detail });

@@ -37,7 +37,7 @@ pub(super) const WOOD_WITHIN: &str = "
 pub(super) const FOREIGN: &str = "
     pot pots flowerpot plantpot planter planters vase urn bucket tub tray bowl box crate basket container ground
     soil dirt mud earth terrain land sand gravel pebble pebbles mulch litter snow water rock rocks stone stones
-    boulder cliff wall walls fence floor roof pavement path road street brick bricks concrete cement tile tiles
+    boulder cliff chip chips wall walls fence floor roof pavement path road street brick bricks concrete cement tile tiles
     metal iron steel plastic glass ceramic terracotta clay plinth pedestal stand table bench house building
     helper dummy sky
     topf blumentopf kübel kuebel vasen boden erde erdreich stein steine fels felsen mauer wand zaun kies beton
@@ -110,3 +110,14 @@ pub(super) const TRUNKS: &str = "
 
 /// Words between two things that are both meant.
 pub(super) const AND: &str = "and und et och";
+
+/// Words of plants that may only say what a thing before them is covered with or made of: `Ground_grass` is ground, and
+/// `table_wood` a table.
+pub(super) const COVERS: &str = "
+    grass moss flower flowers blossom blossoms bloom canopy crown wood log logs roots root
+    gras moos bluete blüte blueten blüten holz wurzeln herbe mousse fleur fleurs bois racines erba muschio fiore fiori
+    legno radici hierba musgo flor flores madera raices erva madeira
+";
+
+/// Words between a thing and what it is of, in languages that name the thing first: `pot_de_fleurs`.
+pub(super) const OF: &str = "de du des di del della dei da do dos das of for von mit with con avec";

@@ -47,7 +47,7 @@ struct TextureTransform {
 #[derive(Deserialize, Default)]
 #[serde(rename_all = "camelCase", default)]
 struct DiffuseTransmission {
-    diffuse_transmission_factor: f32,
+    diffuse_transmission_factor: Option<f32>,
     diffuse_transmission_texture: Option<Info>,
     diffuse_transmission_color_factor: Option<[f32; 3]>,
     diffuse_transmission_color_texture: Option<Info>,
@@ -112,13 +112,15 @@ impl Library<'_> {
         loaded: &mut Loaded,
     ) -> Result<(), ImportError> {
         let material = &mut loaded.material;
-        let mut factor = json.diffuse_transmission_factor.clamp(0.0, 1.0);
+        let stated = json.diffuse_transmission_factor.filter(|factor| factor.is_finite());
+        let mut factor = stated.unwrap_or(0.0).clamp(0.0, 1.0);
         if let Some(info) = json.diffuse_transmission_texture.as_ref().filter(|_| factor > 0.0) {
             // Zeros of colour's alpha are an unused channel; here they let nothing pass.
             self.images.keeps_zero_alpha = true;
             let found = self.texture(files, place, info);
             self.images.keeps_zero_alpha = false;
             let (texture, tex_coord) = found?;
+            material.passes_by_texture = texture.is_some();
             match texture {
                 Some(texture) if tex_coord_of_color.is_none_or(|of_color| of_color == tex_coord) => {
                     loaded.tex_coord = Some(tex_coord);
@@ -157,8 +159,7 @@ impl Library<'_> {
             };
         }
         material.transmission_color = color.filter(|color| color.iter().all(|value| value.is_finite()));
-        material.diffuse_transmission =
-            Some(factor).filter(|factor| *factor > 0.0 || material.passing_texture.is_some());
+        material.diffuse_transmission = stated.map(|_| factor);
         Ok(())
     }
 

@@ -129,7 +129,7 @@ fn what_a_file_hides_is_left_out_and_counted() {
     let hidden = json!({"KHR_node_visibility": {"visible": false}});
     let json = changed(&[
         ("/scenes/0/nodes", json!([0, 1, 3])),
-        ("/nodes/1", json!({"children": [2], "extensions": hidden})),
+        ("/nodes/1", json!({"children": [2], "extensions": hidden.clone()})),
         ("/nodes/2", json!({"mesh": 0, "name": "old crown", "translation": [0.0, 5.0, 0.0]})),
         (
             "/nodes/3",
@@ -145,6 +145,10 @@ fn what_a_file_hides_is_left_out_and_counted() {
     let chosen = ImportSettings { nodes: vec!["Old*".to_owned()], ..ImportSettings::default() };
     let mesh = read_with("plant.gltf", json.to_string().as_bytes(), &[], &chosen).unwrap();
     assert_eq!(mesh.bounds().unwrap().min[1], 5.0, "a choice goes before what the file hides");
+    let all = changed(&[("/nodes/0/extensions", hidden)]);
+    let error = read(&all).unwrap_err().to_string();
+    let expected = "no triangle is left (it shows none: 1 node with a mesh is left out as hidden";
+    assert!(error.contains(expected), "{error}");
     let bad = changed(&[("/nodes/0/extensions", json!({"KHR_node_visibility": {"visible": "no"}}))]);
     assert!(read(&bad).unwrap_err().to_string().contains("KHR_node_visibility"));
 }

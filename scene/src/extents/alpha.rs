@@ -1,0 +1,112 @@
+//! Whether alpha cuts what it is meant to cut: not all of a material, not a trunk by a map of gloss, and leaves by
+//! their outline.
+
+use super::Doubt;
+use crate::alpha::Coverage;
+use crate::import::{area, soft_share};
+use crate::mesh::{AlphaMode, Image, Material};
+use crate::sampling::on_triangle;
+use crate::{ClassedMesh, MaterialClass, Mesh};
+
+/// Alpha that leaves less than this share of a material is doubted: cards of needles keep several hundredths.
+const MIN_LEFT: f64 = 0.01;
+/// Triangles of a material that are looked at first, and points of each: most plants show enough there.
+const LOOKED_AT: usize = 1024;
+const POINTS: u32 = 16;
+/// Largest share of an alpha channel that is neither near 0 nor near 1, for an outline.
+const MAX_SOFT: f64 = 0.5;
+/// An outline of leaves cuts this share of their cards at least.
+const MIN_OUTSIDE: f64 = 0.15;
+/// Alpha at which an outline is taken that its material does not use.
+const CUTOFF: f32 = 0.5;
+
+/// Doubts of that kind.
+pub(super) fn doubts(plant: &ClassedMesh) -> Vec<Doubt> {
+    let mesh = &plant.mesh;
+    let mut triangles: Vec<Vec<u32>> = vec![Vec::new(); mesh.materials.len()];
+    for (triangle, &material) in (0..).zip(&mesh.triangle_material) {
+        if plant.classes[material as usize] != MaterialClass::Neither {
+            triangles[material as usize].push(triangle);
+        }
+    }
+    let used = triangles.into_iter().enumerate().filter(|(_, of_it)| !of_it.is_empty());
+    used.filter_map(|(index, triangles)| of_material(mesh, index, plant.classes[index], &triangles)).collect()
+}
+
+fn of_material(mesh: &Mesh, index: usize, class: MaterialClass, triangles: &[u32]) -> Option<Doubt> {
+    let material = &mesh.materials[index];
+    if material.alpha_mode == AlphaMode::Opaque {
+        return (class == MaterialClass::Leaf).then(|| uncut(mesh, material, triangles))?;
+    }
+    let coverage = Coverage::of(mesh, index).ok().filter(|coverage| *coverage != Coverage::Full)?;
+    cut_away(mesh, material, &coverage, triangles)
+        .or_else(|| (class == MaterialClass::Wood).then(|| gloss(mesh, material, &coverage, triangles))?)
+}
+
+/// Whether alpha leaves next to nothing: by all texels of an image, or by those that triangles show.
+fn cut_away(mesh: &Mesh, material: &Material, coverage: &Coverage, triangles: &[u32]) -> Option<Doubt> {
+    let [left_m2, area_m2] = left_of(mesh, coverage, some(triangles));
+    if left_m2 >= MIN_LEFT * area_m2 {
+        return None;
+    }
+    let [left_m2, area_m2] = left_of(mesh, coverage, triangles.iter().copied());
+    (area_m2 > 0.0 && left_m2 < MIN_LEFT * area_m2).then(|| Doubt::CutAway {
+        material: material.name.clone(),
+        area_m2,
+        left: left_m2 / area_m2,
+    })
+}
+
+/// Whether wood is cut by a channel that is no outline.
+fn gloss(mesh: &Mesh, material: &Material, coverage: &Coverage, triangles: &[u32]) -> Option<Doubt> {
+    let image = image_of(mesh, material).filter(|image| image.has_cut && soft_share(image) > MAX_SOFT)?;
+    let [left_m2, area_m2] = left_of(mesh, coverage, some(triangles));
+    let cut = 1.0 - left_m2 / area_m2;
+    (cut >= MIN_OUTSIDE).then(|| Doubt::WoodCut {
+        material: material.name.clone(),
+        image: image.name.clone(),
+        cut,
+    })
+}
+
+/// Whether leaves are whole though their image has an outline.
+fn uncut(mesh: &Mesh, material: &Material, triangles: &[u32]) -> Option<Doubt> {
+    let image = image_of(mesh, material).filter(|image| image.has_cut && soft_share(image) <= MAX_SOFT)?;
+    let cut = Material { alpha_mode: AlphaMode::Cut { cutoff: CUTOFF }, ..material.clone() };
+    let coverage = Coverage::of_material(mesh, &cut).ok()?;
+    let [left_m2, area_m2] = left_of(mesh, &coverage, some(triangles));
+    let outside = 1.0 - left_m2 / area_m2;
+    (outside >= MIN_OUTSIDE).then(|| Doubt::Uncut {
+        material: material.name.clone(),
+        image: image.name.clone(),
+        outside,
+    })
+}
+
+fn image_of<'m>(mesh: &'m Mesh, material: &Material) -> Option<&'m Image> {
+    mesh.images.get(material.alpha_texture.or(material.color_texture)?.image as usize)
+}
+
+/// Some of many triangles, even over their list.
+fn some(triangles: &[u32]) -> impl Iterator<Item = u32> + '_ {
+    triangles.iter().copied().step_by(triangles.len().div_ceil(LOOKED_AT).max(1))
+}
+
+/// Area of triangles that is there, and of all of them, square metres.
+fn left_of(mesh: &Mesh, coverage: &Coverage, triangles: impl Iterator<Item = u32>) -> [f64; 2] {
+    let mut sums = [0.0; 2];
+    for triangle in triangles {
+        let corners = mesh.triangles[triangle as usize].map(|vertex| vertex as usize);
+        let uvs = corners.map(|vertex| mesh.uvs.get(vertex).copied().unwrap_or_default());
+        let is_there = |point: &u32| {
+            let [u, v] = on_triangle(triangle, *point);
+            let weights = [1.0 - u - v, u, v];
+            coverage.present_at([0, 1].map(|axis| (0..3).map(|k| weights[k] * uvs[k][axis]).sum()))
+        };
+        let share = (0..POINTS).filter(is_there).count() as f64 / f64::from(POINTS);
+        let area_m2 = area(corners.map(|vertex| mesh.positions[vertex].map(f64::from)));
+        sums[0] += share * area_m2;
+        sums[1] += area_m2;
+    }
+    sums
+}

@@ -1,0 +1,48 @@
+//! Whether cards that stand for the whole plant from afar are among its leaves.
+
+use super::{Doubt, Extents};
+use crate::import::area;
+use crate::{ClassedMesh, MaterialClass};
+
+/// A triangle that spans this share of the plant's height and of its width is no leaf.
+const SPAN: f64 = 0.4;
+/// Such triangles are cards beside leaves where they are no more than this share of all leaf triangles..
+const MAX_COUNT: f64 = 0.05;
+/// ..and this share of the leaf area at least.
+const MIN_AREA: f64 = 0.2;
+/// Names that a doubt lists.
+const LISTED: usize = 4;
+
+/// The doubt, if there are such cards.
+pub(super) fn doubt(plant: &ClassedMesh, extents: &Extents) -> Option<Doubt> {
+    let mesh = &plant.mesh;
+    let [width, height, depth] = extents.size_m();
+    let widest = width.max(depth);
+    let (mut triangles, mut of_cards) = (0u64, 0u64);
+    let (mut leaf_m2, mut cards_m2) = (0.0, 0.0);
+    let mut materials: Vec<u32> = Vec::new();
+    for (triangle, (corners, &material)) in mesh.triangles.iter().zip(&mesh.triangle_material).enumerate() {
+        if plant.classes[material as usize] != MaterialClass::Leaf {
+            continue;
+        }
+        let points = corners.map(|vertex| mesh.positions[vertex as usize].map(f64::from));
+        let span = |axis: usize| {
+            let along = points.map(|point| point[axis]);
+            along.iter().copied().fold(f64::MIN, f64::max) - along.iter().copied().fold(f64::MAX, f64::min)
+        };
+        let area_m2 = area(points) * mesh.sheets.side(triangle).share();
+        (triangles, leaf_m2) = (triangles + 1, leaf_m2 + area_m2);
+        if span(1) >= SPAN * height && libm::hypot(span(0), span(2)) >= SPAN * widest {
+            (of_cards, cards_m2) = (of_cards + 1, cards_m2 + area_m2);
+            if !materials.contains(&material) && materials.len() < LISTED {
+                materials.push(material);
+            }
+        }
+    }
+    let is_few = of_cards > 0 && of_cards as f64 <= MAX_COUNT * triangles as f64;
+    (is_few && cards_m2 >= MIN_AREA * leaf_m2).then(|| Doubt::Card {
+        triangles: of_cards,
+        share: cards_m2 / leaf_m2,
+        materials: materials.iter().map(|&at| mesh.materials[at as usize].name.clone()).collect(),
+    })
+}

@@ -1,0 +1,120 @@
+//! Doubts about what exporters add to a plant, and what they forget.
+
+use super::*;
+use crate::mesh::{Image, Texture, Wrap};
+
+/// A tree with many leaves, and these triangles of leaf beside them.
+fn with_cards(cards: &[foot::Triangle]) -> ClassedMesh {
+    let [wood, mut leaves] = tree();
+    for ring in 0..20 {
+        let (sin, cos) = (libm::sin(0.3 * f64::from(ring)), libm::cos(0.3 * f64::from(ring)));
+        leaves.extend((0..10).map(|at| leaf([3.0 * sin, 4.0 + 0.5 * f64::from(at), 3.0 * cos])));
+    }
+    leaves.extend_from_slice(cards);
+    plant(&wood, &leaves, |point| point)
+}
+
+/// A card of two triangles, as wide and high as the tree.
+fn card() -> [foot::Triangle; 2] {
+    let [a, b, c, d] = [[-4.0, 0.0, 0.0], [4.0, 0.0, 0.0], [4.0, 10.0, 0.0], [-4.0, 10.0, 0.0]];
+    [[a, b, c], [a, c, d]]
+}
+
+fn names(plant: &ClassedMesh) -> Vec<&'static str> {
+    all_found(plant, Up::Y).iter().map(Doubt::name).collect()
+}
+
+#[test]
+fn a_card_of_the_whole_plant_among_its_leaves_is_a_doubt() {
+    assert_eq!(names(&with_cards(&[])), [""; 0]);
+    let found = all_found(&with_cards(&card()), Up::Y);
+    let [doubt @ Doubt::Card { triangles: 2, share, .. }] = &found[..] else { panic!("{found:?}") };
+    assert!(*share > 0.9, "{share}");
+    let text = doubt.to_string();
+    assert!(text.contains("2 triangles as large as the plant are 9"), "{text}");
+    // Tufts of crossed cards have no other leaves.
+    let [wood, _] = tree();
+    assert!(!names(&plant(&wood, &card(), |point| point)).contains(&"card"));
+}
+
+#[test]
+fn plants_whose_crowns_meet_are_a_doubt_and_stems_of_a_shrub_are_not() {
+    let [wood, leaves] = tree();
+    let found = |apart_m: f64| {
+        let aside = |part: &[foot::Triangle]| -> Vec<foot::Triangle> {
+            part.iter().map(|t| t.map(|[x, y, z]| [x + apart_m, y, z])).collect()
+        };
+        let [more_wood, more_leaves] = [&wood, &leaves].map(|part| aside(part));
+        let all: Vec<foot::Triangle> =
+            [&wood, &leaves, &more_wood, &more_leaves].into_iter().flatten().copied().collect();
+        let mut both = plant(&all, &[], |point| point);
+        let one = wood.len() + leaves.len();
+        both.mesh.triangle_material = (0..all.len()).map(|at| u32::from(at % one < wood.len())).collect();
+        let whole = |name: &str, first: usize| {
+            let mut tree = part(&both, &[name], first..first + wood.len());
+            tree.uses.extend(part(&both, &[], first + wood.len()..first + one).uses);
+            tree
+        };
+        both.mesh.parts = vec![whole("Tree_01", 0), whole("Tree_02", one)];
+        all_found(&both, Up::Y)
+    };
+    // The crowns are 8.2 m wide.
+    let doubts = found(6.0);
+    let [Doubt::Apart { stands }] = &doubts[..] else { panic!("{doubts:?}") };
+    assert_eq!(stands, &["Tree_01", "Tree_02"]);
+    assert!(!found(2.0).iter().any(|doubt| doubt.name() == "apart"));
+}
+
+#[test]
+fn the_finest_level_is_named_though_its_name_has_none() {
+    let [wood, leaves] = tree();
+    let mut all = plant(&wood, &leaves, |point| point);
+    let triangles = 0..all.mesh.triangles.len();
+    all.mesh.parts = ["Oak", "Oak_LOD1"].map(|name| part(&all, &[name], triangles.clone())).to_vec();
+    let found = all_found(&all, Up::Y);
+    let [Doubt::Levels { names }] = &found[..] else { panic!("{found:?}") };
+    assert_eq!(names, &["Oak", "Oak_LOD1"]);
+}
+
+/// The tree with an image whose alpha is that of each column of 64; leaves and wood show the first `shown` of them.
+fn with_alpha(material: usize, mode: AlphaMode, shown: f32, alpha: impl Fn(usize) -> u8) -> ClassedMesh {
+    let [wood, leaves] = tree();
+    let mut tree = plant(&wood, &leaves, |point| point);
+    let rgba = (0..64 * 64).flat_map(|at| [80, 160, 40, alpha(at % 64)]).collect();
+    tree.mesh.images = vec![Image { name: "a.png".to_owned(), width: 64, height: 64, rgba, has_cut: true }];
+    let (wrap, transform) = ([Wrap::Repeat; 2], [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0]]);
+    tree.mesh.materials[material].color_texture = Some(Texture { image: 0, wrap, transform });
+    tree.mesh.materials[material].alpha_mode = mode;
+    tree.mesh.uvs = vec![[0.0; 2]; tree.mesh.positions.len()];
+    let corners = [[0.0, 0.1], [shown, 0.1], [0.0, 0.9]];
+    for triangle in tree.mesh.triangles.clone() {
+        (0..3).for_each(|corner| tree.mesh.uvs[triangle[corner] as usize] = corners[corner]);
+    }
+    tree
+}
+
+#[test]
+fn wood_that_a_map_of_gloss_cuts_is_a_doubt_and_outlines_are_none() {
+    let cut = AlphaMode::Cut { cutoff: 0.5 };
+    let gloss = |column: usize| 30 + 3 * column as u8;
+    let outline = |column: usize| if column < 32 { 255 } else { 0 };
+    assert_eq!(names(&with_alpha(1, cut, 1.0, gloss)), ["wood-cut"]);
+    assert_eq!(names(&with_alpha(1, AlphaMode::Blend, 1.0, gloss)), ["wood-cut"]);
+    assert_eq!(names(&with_alpha(1, cut, 1.0, outline)), [""; 0]);
+    assert_eq!(names(&with_alpha(1, AlphaMode::Opaque, 1.0, gloss)), [""; 0]);
+    let text = all_found(&with_alpha(1, cut, 1.0, gloss), Up::Y)[0].to_string();
+    assert!(text.contains("the alpha of 'a.png' cuts") && text.contains("map of gloss"), "{text}");
+}
+
+#[test]
+fn leaves_that_are_opaque_beyond_their_outline_are_a_doubt() {
+    let outline = |column: usize| if column < 32 { 255 } else { 0 };
+    let found = all_found(&with_alpha(0, AlphaMode::Opaque, 1.0, outline), Up::Y);
+    let [doubt @ Doubt::Uncut { outside, .. }] = &found[..] else { panic!("{found:?}") };
+    assert!((0.15..0.4).contains(outside), "{outside}");
+    assert!(doubt.to_string().contains("expected MASK"), "{doubt}");
+    // What no triangle shows is padding; a map of anything else is no outline.
+    assert_eq!(names(&with_alpha(0, AlphaMode::Opaque, 0.5, outline)), [""; 0]);
+    assert_eq!(names(&with_alpha(0, AlphaMode::Opaque, 1.0, |column| 30 + 3 * column as u8)), [""; 0]);
+    assert_eq!(names(&with_alpha(0, AlphaMode::Cut { cutoff: 0.5 }, 1.0, outline)), [""; 0]);
+}
