@@ -78,21 +78,25 @@ pub fn of_crown(settings: &CrownSettings) -> [(&'static str, Value); 2] {
 pub fn of_ordinates(settings: &OrdinatesSettings) -> [(&'static str, Value); 8] {
     let OrdinatesSettings { ordinates, rays, parts, suns, bases, field, tolerance, max_passes, backend: _ } =
         settings;
-    let suns = match suns {
-        SunBasis::Lattice18 => json!("lattice18"),
-        SunBasis::Harmonics { degree, single } => json!({ "degree": degree, "single": single }),
-        SunBasis::Directions(directions) => json!(directions.directions()),
-    };
     [
         ("ordinates", json!(ordinates.count())),
         ("rays", json!(rays)),
         ("parts", json!(parts)),
-        ("suns", suns),
+        ("suns", of_suns(suns)),
         ("bases", json!(bases)),
         ("field", json!(field.name())),
         ("tolerance", json!(tolerance)),
         ("max_passes", json!(max_passes)),
     ]
+}
+
+/// A basis of the sun's direction as the value of a part.
+pub fn of_suns(suns: &SunBasis) -> Value {
+    match suns {
+        SunBasis::Lattice18 => json!("lattice18"),
+        SunBasis::Harmonics { degree, single } => json!({ "degree": degree, "single": single }),
+        SunBasis::Directions(directions) => json!(directions.directions()),
+    }
 }
 
 /// Parts of a solve of the `paper` model on a lattice; `gpu` is the one that solves.

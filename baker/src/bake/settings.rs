@@ -4,10 +4,14 @@ use flb_format::Quality;
 use flb_format::bases::BaseSet;
 use flb_format::light::{FieldKind, Light, LightError, SunBasis};
 use flb_format::sample::SOLID_OFFSET;
+use flb_scene::PlantReader;
 use flb_scene::extents::Walls;
 use flb_transport::lattice::{DEFAULT_MAX_SWEEPS, SolveSettings, SolverKind, Steps};
 use flb_transport::ordinates::{Backend, Ordinates, OrdinatesSettings, rays_for};
 
+use serde_json::{Value, json};
+
+use super::key;
 use crate::crown::LeafAngleChoice;
 use crate::plan::{Plan, PlanError};
 
@@ -95,6 +99,40 @@ impl ModelSettings {
     pub fn keep_cloud(&mut self) {
         if let ModelSettings::Physical(physical) = self {
             physical.keep_cloud = true;
+        }
+    }
+}
+
+impl BakeSettings {
+    /// All settings that change what a bake of all bases and bands makes, each under its name. Which GPU solves, if one
+    /// does, is not among them.
+    pub fn parts(&self) -> Vec<(&'static str, Value)> {
+        let BakeSettings { lattice, voxels, ignore_alpha, wanted: _, model } = self;
+        let mut parts = vec![
+            ("lattice", json!(lattice)),
+            ("voxels", json!(voxels)),
+            ("ignore_alpha", json!(ignore_alpha)),
+        ];
+        match model {
+            ModelSettings::Physical(physical) => parts.extend(physical.parts()),
+            ModelSettings::Paper(paper) => parts.extend(paper.parts(*lattice)),
+        }
+        parts
+    }
+
+    /// Number of fields of a bake of all bases, of a plant with these walls.
+    pub fn items(&self, walls: Walls) -> u32 {
+        match &self.model {
+            ModelSettings::Physical(physical) => physical.suns.basis(walls).items().into(),
+            ModelSettings::Paper(_) => SunBasis::Lattice18.items().into(),
+        }
+    }
+
+    /// Number of bands of a plant that is read so.
+    pub fn bands(&self, reader: &PlantReader) -> usize {
+        match &self.model {
+            ModelSettings::Physical(_) => reader.surfaces().bands.len(),
+            ModelSettings::Paper(_) => reader.optics().bands.len(),
         }
     }
 }
@@ -230,6 +268,33 @@ impl PhysicalSettings {
     }
 }
 
+impl PhysicalSettings {
+    fn parts(&self) -> Vec<(&'static str, Value)> {
+        let PhysicalSettings {
+            suns, ordinates, rays, parts, field, leaf_angles, tolerance, max_passes, ..
+        } = self;
+        let PhysicalSettings { monte_carlo_suns, backend, keep_cloud: _, .. } = self;
+        let (is_by_walls, suns) = match suns {
+            SunChoice::Fixed(suns) => (false, suns),
+            SunChoice::ByWalls(suns) => (true, suns),
+        };
+        vec![
+            ("model", json!("physical")),
+            ("suns", key::of_suns(suns)),
+            ("suns_by_walls", json!(is_by_walls)),
+            ("ordinates", json!(ordinates.count())),
+            ("rays", json!(rays)),
+            ("parts", json!(parts)),
+            ("field", json!(field.name())),
+            ("leaf_angles", json!(leaf_angles.name())),
+            ("tolerance", json!(tolerance)),
+            ("max_passes", json!(max_passes)),
+            ("monte_carlo_suns", json!(monte_carlo_suns)),
+            ("gpu", json!(*backend != Backend::Cpu)),
+        ]
+    }
+}
+
 impl Default for PaperSettings {
     fn default() -> PaperSettings {
         PaperSettings::of(Quality::default())
@@ -251,6 +316,17 @@ impl PaperSettings {
             tolerance,
             max_sweeps: DEFAULT_MAX_SWEEPS,
         }
+    }
+
+    fn parts(&self, lattice: u32) -> Vec<(&'static str, Value)> {
+        let PaperSettings { solver, steps, tolerance, max_sweeps } = self;
+        vec![
+            ("model", json!("paper")),
+            ("solver", json!(super::solver_name(*solver))),
+            ("steps", json!(steps.map(|steps| steps.count(lattice)))),
+            ("tolerance", json!(tolerance)),
+            ("max_sweeps", json!(max_sweeps)),
+        ]
     }
 
     /// The solve of these bases.

@@ -5,13 +5,14 @@ use crate::comments::rooms;
 use crate::unsafe_code::sources;
 
 /// Files that tell the models apart, by what each decides.
-const DOORS: [(&str, &str); 7] = [
+const DOORS: [(&str, &str); 8] = [
     ("format-spec/src/model.rs", "what a file holds"),
     ("baker/src/bake.rs", "which solve a bake is"),
     ("baker/src/bake/settings.rs", "how it is solved"),
     ("runtime-loader/src/light.rs", "whether the light of some suns can be loaded alone"),
     ("render/src/shading.rs", "how surfaces are coloured, and the units of pictures"),
     ("eval/src/trade/transport.rs", "what is tried"),
+    ("farm/src/recipe/solve.rs", "settings of a bake, by name"),
     ("cli/src/bake/model.rs", "flags and messages of a bake"),
 ];
 

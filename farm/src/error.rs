@@ -1,0 +1,79 @@
+//! What can go wrong in a farm.
+
+use std::path::PathBuf;
+
+use flb_baker::BakeError;
+use flb_files::FileError;
+use flb_packer::PackError;
+use flb_runtime::RuntimeError;
+use flb_scene::ImportError;
+use flb_stage::StageError;
+
+use crate::recipe::RecipeError;
+
+/// Errors of a library of species.
+#[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
+pub enum FarmError {
+    /// A manifest, a species file or a mesh.
+    #[error(transparent)]
+    Import(#[from] ImportError),
+    /// Settings of a species that cannot be.
+    #[error("{place}: {error}")]
+    Recipe {
+        /// Place in a manifest.
+        place: String,
+        /// The error.
+        error: RecipeError,
+    },
+    /// A mesh that cannot be read for a bake.
+    #[error(transparent)]
+    Stage(#[from] StageError),
+    /// A bake.
+    #[error("{}: {source}", mesh.display())]
+    Bake {
+        /// File of the plant.
+        mesh: PathBuf,
+        /// The error.
+        source: Box<BakeError>,
+    },
+    /// The coding of a light, or a library of several.
+    #[error(transparent)]
+    Pack(#[from] PackError),
+    /// A file that was made and cannot be read.
+    #[error(transparent)]
+    Runtime(#[from] RuntimeError),
+    /// A file that cannot be written.
+    #[error(transparent)]
+    File(#[from] FileError),
+    /// A file that is another one than when the work was planned.
+    #[error("{}: changed while it was read, expected the bytes of the plan: build again", file.display())]
+    Changed {
+        /// The file.
+        file: PathBuf,
+    },
+    /// A file that was made and is not sound: a fault of ours.
+    #[error("{species}: the file that was made is not sound: {issue}")]
+    Unsound {
+        /// Name of the species.
+        species: String,
+        /// Fault, with its place.
+        issue: String,
+    },
+    /// A name that no species has.
+    #[error("{}: no species is named {name:?}{}", manifest.display(), nearest.as_ref().map(|near| format!(", did you mean {near:?}?")).unwrap_or_default())]
+    NoSpecies {
+        /// The manifest.
+        manifest: PathBuf,
+        /// Name that was asked for.
+        name: String,
+        /// Name that is nearest to it.
+        nearest: Option<String>,
+    },
+    /// A thread that the system does not give.
+    #[error("threads: {0}")]
+    Threads(String),
+    /// The work was stopped.
+    #[error("stopped")]
+    Stopped,
+}

@@ -1,0 +1,150 @@
+//! The index of a library, for programs.
+
+use std::collections::BTreeMap;
+
+use serde::{Deserialize, Serialize};
+
+use crate::manifest::Manifest;
+use crate::outcome::Built;
+use crate::output::{self, Output};
+use crate::record::Record;
+
+/// Version of the index.
+const SCHEMA: u32 = 1;
+
+/// Index of what is built.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct Index {
+    /// 1.
+    pub schema: u32,
+    /// Program that built it.
+    pub tool: String,
+    /// File of all species, if one is written.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub library: Option<LibraryFile>,
+    /// Species by name.
+    pub species: BTreeMap<String, IndexEntry>,
+}
+
+/// File of all species.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct LibraryFile {
+    /// Path below the index.
+    pub file: String,
+    /// Size in bytes.
+    pub bytes: u64,
+    /// Digest, 64 hexadecimal digits.
+    pub blake3: String,
+    /// Digest of the names and digests of what it is made of.
+    pub made_of: String,
+}
+
+/// A species in the index.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct IndexEntry {
+    /// Path of its file below the index.
+    pub file: String,
+    /// Path of its pictures, if its light has colours.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub picture: Option<String>,
+    /// Name of the species that it is a variant of.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub variant_of: Option<String>,
+    /// Facts of its record.
+    #[serde(flatten)]
+    pub facts: Facts,
+    /// Sentences on what goes over its budget.
+    #[serde(skip_serializing_if = "Vec::is_empty", default)]
+    pub over_budget: Vec<String>,
+}
+
+/// Facts of a species: its record, but for its parts.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct Facts {
+    /// Key of its parts.
+    pub key: String,
+    /// Bytes of its file.
+    pub bytes: u64,
+    /// Digest of its file.
+    pub blake3: String,
+    /// Triangles of the mesh: all, leaf, wood.
+    pub triangles: [u64; 3],
+    /// Width along x, height along y, depth along z, in metres.
+    pub size_m: [f64; 3],
+    /// Sites along each edge.
+    pub lattice: u32,
+    /// Names of the bands.
+    pub bands: Vec<String>,
+    /// Error of the fit over suns, of the mean total fluence.
+    pub suns_error: Option<f64>,
+    /// Peak signal to noise of the coding, in dB.
+    pub psnr_db: Option<f64>,
+    /// Whether every solve met its tolerance.
+    pub is_converged: bool,
+    /// Seconds of its bake.
+    pub seconds: f64,
+    /// Doubts about the mesh, and warnings.
+    #[serde(skip_serializing_if = "Vec::is_empty", default)]
+    pub warnings: Vec<String>,
+}
+
+impl Index {
+    /// The index of what is there: of the species of a build as they are now, and of others of the manifest as they
+    /// were built last.
+    pub fn of(manifest: &Manifest, output: &Output, built: &[Built]) -> Index {
+        let now: BTreeMap<&str, &Built> = built.iter().map(|one| (one.name.as_str(), one)).collect();
+        let entry = |entry: &crate::manifest::Entry| {
+            let record = match now.get(entry.name.as_str()) {
+                Some(built) => built.record.clone()?,
+                None => output.record(&entry.name).filter(|_| output.species(&entry.name).is_file())?,
+            };
+            let picture = output.picture(&entry.name).is_file();
+            let one = IndexEntry {
+                file: format!("species/{}.flb", entry.name),
+                picture: picture.then(|| format!("pictures/{}.png", entry.name)),
+                variant_of: entry.variant_of.clone(),
+                over_budget: record.over(&entry.budget),
+                facts: Facts::of(record),
+            };
+            Some((entry.name.clone(), one))
+        };
+        let species = manifest.species.iter().filter_map(entry).collect();
+        let tool = concat!("flb ", env!("CARGO_PKG_VERSION")).to_owned();
+        Index { schema: SCHEMA, tool, library: None, species }
+    }
+
+    /// The index that is there.
+    pub fn read(output: &Output) -> Option<Index> {
+        let index: Index = serde_json::from_slice(&output::read(&output.index())?).ok()?;
+        (index.schema == SCHEMA).then_some(index)
+    }
+
+    pub(crate) fn made_of(&self) -> String {
+        let mut hasher = blake3::Hasher::new();
+        for (name, entry) in &self.species {
+            hasher.update(name.as_bytes()).update(b"\0").update(entry.facts.blake3.as_bytes());
+        }
+        hasher.finalize().to_hex().to_string()
+    }
+}
+
+impl Facts {
+    fn of(record: Record) -> Facts {
+        let Record { key, bytes, blake3, triangles, size_m, lattice, bands, .. } = record;
+        let Record { suns_error, psnr_db, is_converged, seconds, warnings, .. } = record;
+        Facts {
+            key,
+            bytes,
+            blake3,
+            triangles,
+            size_m,
+            lattice,
+            bands,
+            suns_error,
+            psnr_db,
+            is_converged,
+            seconds,
+            warnings,
+        }
+    }
+}

@@ -1,0 +1,147 @@
+//! Plan of a build: for each species whether its file is there, is kept in the store, or has to be made, and why.
+
+use std::path::PathBuf;
+
+use rayon::prelude::*;
+
+use crate::FarmError;
+use crate::digests::Digests;
+use crate::job::Job;
+use crate::manifest::{Entry, Manifest};
+use crate::output::Output;
+use crate::parts::{Change, redone};
+use crate::predict;
+use crate::record::Record;
+use crate::store::Folder;
+
+/// Work that is due for a species.
+#[derive(Debug)]
+pub enum State {
+    /// The file is there, made of these very parts.
+    Current(Box<Record>),
+    /// The store has the file.
+    Stored(Box<Record>),
+    /// The species has to be made.
+    Due(Why),
+    /// The species cannot be made.
+    Failed(FarmError),
+}
+
+/// Why a species has to be made.
+#[derive(Debug, Clone, PartialEq)]
+pub enum Why {
+    /// The species was never built here.
+    New,
+    /// Parts are others than those of the file that is there.
+    Changed(Vec<Change>),
+    /// The file is gone or has other bytes than were written, and the store does not have it either.
+    Lost,
+}
+
+/// A species of a plan.
+#[derive(Debug)]
+pub struct Planned {
+    /// The species as the manifest has it.
+    pub entry: Entry,
+    /// Settings of its bake, unless it cannot be made.
+    pub job: Option<Job>,
+    /// Work that is due.
+    pub state: State,
+    /// Memory that its bake is expected to take, in bytes.
+    pub memory_bytes: u64,
+}
+
+/// Plan of a build.
+#[derive(Debug)]
+pub struct Plan {
+    /// File of the manifest.
+    pub manifest: PathBuf,
+    /// Every species, in the order of the manifest.
+    pub species: Vec<Planned>,
+}
+
+impl Plan {
+    /// Looks at every species: reads species files, and digests of meshes as far as they are not known.
+    pub fn of(manifest: &Manifest, store: &Folder, digests: &Digests) -> Plan {
+        let output = Output::of(manifest);
+        let plan = |entry: &Entry| {
+            let (job, state) = match Job::new(entry, digests) {
+                Ok(job) => {
+                    let state = state(&job, &output, store, digests);
+                    (Some(job), state)
+                }
+                Err(error) => (None, State::Failed(error)),
+            };
+            let memory_bytes = job.as_ref().map_or(0, |job| predict::memory_bytes(&job.bake, job.bands()));
+            Planned { entry: entry.clone(), job, state, memory_bytes }
+        };
+        let species = manifest.species.par_iter().map(plan).collect();
+        Plan { manifest: manifest.path.clone(), species }
+    }
+
+    /// The species of a name.
+    pub fn find(&self, name: &str) -> Option<&Planned> {
+        self.species.iter().find(|planned| planned.entry.name == name)
+    }
+}
+
+/// The record of a key, if the store has one that is sound.
+pub(crate) fn stored_record(store: &Folder, key: &str) -> Option<Record> {
+    let entry = format!("species-{key}.json");
+    let bytes = store.read(&entry)?;
+    match serde_json::from_slice::<Record>(&bytes) {
+        Ok(record) if record.key == key && record.parts.key() == key => Some(record),
+        Ok(_) => {
+            store.damaged(&entry, "is of other parts than its name says");
+            None
+        }
+        Err(error) => {
+            store.damaged(&entry, &error.to_string());
+            None
+        }
+    }
+}
+
+fn state(job: &Job, output: &Output, store: &Folder, digests: &Digests) -> State {
+    let name = &job.entry.name;
+    let built = output.record(name);
+    if let Some(record) = &built
+        && record.key == job.key
+        && digests.is(&output.species(name), &record.blake3)
+    {
+        return State::Current(Box::new(record.clone()));
+    }
+    if let Some(record) =
+        stored_record(store, &job.key).filter(|_| store.has(&format!("species-{}.flb", job.key)))
+    {
+        return State::Stored(Box::new(record));
+    }
+    State::Due(match built {
+        None => Why::New,
+        Some(record) if record.key == job.key => Why::Lost,
+        Some(record) => Why::Changed(job.parts.changes(&record.parts)),
+    })
+}
+
+/// One sentence: "plant.surfaces.G.leaf.reflectance 0.125 -> 0.14: solve, encode, write; import, voxelise, crown
+/// reused".
+impl std::fmt::Display for Why {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        match self {
+            Why::New => f.write_str("it was never built here"),
+            Why::Lost => f.write_str("its file is gone or has other bytes than were written"),
+            Why::Changed(changes) => {
+                let told: Vec<String> = changes.iter().map(Change::to_string).collect();
+                let (again, reused) = redone(changes);
+                let names = |steps: &[flb_scene::Step]| {
+                    steps.iter().map(|step| step.name()).collect::<Vec<_>>().join(", ")
+                };
+                write!(f, "{}: {}", told.join("; "), names(again))?;
+                match reused.is_empty() {
+                    true => Ok(()),
+                    false => write!(f, "; {} reused", names(reused)),
+                }
+            }
+        }
+    }
+}
