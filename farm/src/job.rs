@@ -82,7 +82,9 @@ fn species_file(entry: &Entry) -> Result<(Option<SpeciesFile>, toml::Table), Imp
             return Ok((None, toml::Table::new()));
         }
         let text = entry.plant.to_string();
-        let species = SpeciesFile { blake3: digest(&text), ..SpeciesFile::parse(&entry.place, &text)? };
+        // Its name is in the file: one with a line would make other bytes where lines move.
+        let parsed = SpeciesFile::parse(&entry.place, &text)?;
+        let species = SpeciesFile { blake3: digest(&text), file: "plant".to_owned(), ..parsed };
         return Ok((Some(species), entry.plant.clone()));
     };
     let (file, text) = read_text(path, TEXT_BYTES)?;

@@ -212,6 +212,12 @@ fn what_changes_is_said_and_no_more_is_made() {
     assert_eq!(before["species/oak.flb"], after["species/oak.flb"]);
     assert_ne!(before["species/oak-autumn.flb"], after["species/oak-autumn.flb"]);
 
+    // Lines that move change nothing.
+    farm.edit("library.toml", "mesh = 'ash.obj'", "mesh = 'ash.obj'\nplant = { wood = ['bark'] }");
+    farm.build();
+    farm.edit("library.toml", "[bake]", "# A line more.\n[bake]");
+    assert!(farm.build().0.iter().all(|(_, told)| told == "current"));
+
     farm.write("ash.obj", &plant(1.4));
     let (outcomes, _) = farm.build();
     let why = "mesh ash.obj has other bytes: import, voxelise, crown, solve, encode, write";
