@@ -4,6 +4,8 @@ mod schedule;
 #[cfg(test)]
 mod tests;
 
+use std::sync::atomic::{AtomicBool, Ordering};
+
 use flb_scene::Step;
 
 use crate::FarmError;
@@ -96,7 +98,7 @@ pub fn build(
     let is_asked =
         |planned: &Planned| settings.only.is_empty() || settings.only.contains(&planned.entry.name);
     let asked: Vec<Planned> = plan.species.into_iter().filter(is_asked).collect();
-    let work = Work { output: &output, store, observer };
+    let work = Work { output: &output, store, observer, has_failed: AtomicBool::new(false) };
     let species = schedule::run(asked, settings, &work)?;
     let (index, old) = (Index::of(manifest, &output, &species), Index::read(&output));
     let library_bytes = write_all(manifest, &output, index, old, &species)?;
@@ -116,23 +118,30 @@ struct Work<'a> {
     output: &'a Output,
     store: &'a Folder<'a>,
     observer: &'a dyn BuildObserver,
+    /// Whether one has failed that stops the others.
+    has_failed: AtomicBool,
 }
 
 impl Work<'_> {
+    /// Whether no other species is begun, and those that are being made end.
+    fn is_stopped(&self) -> bool {
+        self.has_failed.load(Ordering::Relaxed) || self.observer.is_stopped()
+    }
+
     /// Brings a species to its place.
-    fn one(&self, planned: Planned, is_stopped: &(dyn Fn() -> bool + Sync)) -> Built {
+    fn one(&self, planned: Planned) -> Built {
         let Planned { entry, job, state, .. } = planned;
         let name = entry.name.clone();
         let done = match (state, job) {
             (State::Failed(error), _) => Err(error),
             (State::Current(record), _) => Ok((Outcome::Current, *record)),
-            (State::Stored(record), Some(job)) => self.stored(&job, *record, is_stopped),
-            (State::Due(why), Some(job)) => self.made(&job, why, is_stopped),
+            (State::Stored(record), Some(job)) => self.stored(&job, *record),
+            (State::Due(why), Some(job)) => self.made(&job, why),
             (_, None) => unreachable!("a species without a job has failed"),
         };
         let built = match done {
             Ok((outcome, record)) => {
-                let over = record.over(&entry.budget);
+                let over = record.facts.over(&entry.budget);
                 Built { name, outcome, record: Some(record), over }
             }
             Err(FarmError::Stopped) => {
@@ -145,15 +154,10 @@ impl Work<'_> {
     }
 
     /// Copies a species from the store, or makes it where the store's copy is damaged.
-    fn stored(
-        &self,
-        job: &Job,
-        record: Record,
-        is_stopped: &(dyn Fn() -> bool + Sync),
-    ) -> Result<(Outcome, Record), FarmError> {
+    fn stored(&self, job: &Job, record: Record) -> Result<(Outcome, Record), FarmError> {
         let entry = format!("species-{}.flb", job.key);
         let file = self.store.read(&entry);
-        let is_sound = |file: &Vec<u8>| blake3::hash(file).to_hex().as_str() == record.blake3;
+        let is_sound = |file: &Vec<u8>| blake3::hash(file).to_hex().as_str() == record.facts.blake3;
         let Some(file) = file.filter(|file| {
             let sound = is_sound(file);
             if !sound {
@@ -161,25 +165,21 @@ impl Work<'_> {
             }
             sound
         }) else {
-            return self.made(job, Why::Lost, is_stopped);
+            return self.made(job, Why::Lost);
         };
         let read = |kind: &str| self.store.read(&format!("species-{}.{kind}", job.key)).unwrap_or_default();
-        self.publish(&Made { file, record: record.clone(), picture: read("png"), log: lines(&read("log")) })?;
+        let log = String::from_utf8_lossy(&read("log")).into_owned();
+        self.publish(&Made { file, record: record.clone(), picture: read("png"), log })?;
         Ok((Outcome::Stored, record))
     }
 
-    fn made(
-        &self,
-        job: &Job,
-        why: Why,
-        is_stopped: &(dyn Fn() -> bool + Sync),
-    ) -> Result<(Outcome, Record), FarmError> {
-        let listener = Followed { work: self, species: &job.entry.name, is_stopped };
+    fn made(&self, job: &Job, why: Why) -> Result<(Outcome, Record), FarmError> {
+        let listener = Followed { work: self, species: &job.entry.name };
         let made = make(job, self.store, &listener)?;
         let keep = |kind: &str, bytes: &[u8]| self.store.write(&format!("species-{}.{kind}", job.key), bytes);
         keep("flb", &made.file);
         keep("png", &made.picture);
-        keep("log", log_text(&made.log).as_bytes());
+        keep("log", made.log.as_bytes());
         // The record comes last: with it the species is whole.
         keep("json", &record_text(&made.record));
         self.publish(&made)?;
@@ -193,7 +193,7 @@ impl Work<'_> {
         if !made.picture.is_empty() {
             output::write(&self.output.picture(name), &made.picture)?;
         }
-        output::write(&self.output.log(name), log_text(&made.log).as_bytes())?;
+        output::write(&self.output.log(name), made.log.as_bytes())?;
         output::write(&self.output.record_file(name), &record_text(&made.record))?;
         Ok(())
     }
@@ -203,7 +203,6 @@ impl Work<'_> {
 struct Followed<'a> {
     work: &'a Work<'a>,
     species: &'a str,
-    is_stopped: &'a (dyn Fn() -> bool + Sync),
 }
 
 impl Listener for Followed<'_> {
@@ -212,16 +211,8 @@ impl Listener for Followed<'_> {
     }
 
     fn is_stopped(&self) -> bool {
-        (self.is_stopped)() || self.work.observer.is_stopped()
+        self.work.is_stopped()
     }
-}
-
-fn lines(bytes: &[u8]) -> Vec<String> {
-    String::from_utf8_lossy(bytes).lines().map(str::to_owned).collect()
-}
-
-fn log_text(lines: &[String]) -> String {
-    lines.iter().map(|line| format!("{line}\n")).collect()
 }
 
 fn record_text(record: &Record) -> Vec<u8> {

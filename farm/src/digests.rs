@@ -7,7 +7,7 @@ use std::path::{Path, PathBuf};
 use std::sync::Mutex;
 use std::time::{Duration, SystemTime, UNIX_EPOCH};
 
-use flb_files::open_regular;
+use flb_files::{open_own, open_regular};
 use flb_scene::ImportError;
 use flb_scene::import::named_files;
 use serde::{Deserialize, Serialize};
@@ -84,7 +84,7 @@ impl Digests {
     /// # Errors
     /// [`ImportError::Io`].
     pub fn of_file(&self, path: &Path) -> Result<String, ImportError> {
-        Ok(self.find(path, false)?.blake3)
+        Ok(self.find(path, false, digest)?.blake3)
     }
 
     /// The digest of a mesh, and the files that it names.
@@ -92,15 +92,26 @@ impl Digests {
     /// # Errors
     /// [`ImportError::Io`].
     pub fn of_mesh(&self, path: &Path) -> Result<Found, ImportError> {
-        self.find(path, true)
+        self.find(path, true, digest)
     }
 
-    /// Whether a file still has these bytes, as far as that is believed.
+    /// Whether a file that a build wrote still has these bytes, as far as that is believed. It is no input, which no
+    /// build could write again.
     pub fn is(&self, path: &Path, blake3: &str) -> bool {
-        path.is_file() && self.of_file(path).is_ok_and(|found| found == blake3)
+        let own = |path: &Path| {
+            let (file, _) = open_own(path).map_err(io::Error::other)?;
+            read_digest(file)
+        };
+        path.is_file() && self.find(path, false, own).is_ok_and(|found| found.blake3 == blake3)
     }
 
-    fn find(&self, path: &Path, is_mesh: bool) -> Result<Found, ImportError> {
+    /// `digest` reads a file that is not known.
+    fn find(
+        &self,
+        path: &Path,
+        is_mesh: bool,
+        digest: impl Fn(&Path) -> io::Result<String>,
+    ) -> Result<Found, ImportError> {
         let io = |source: io::Error| ImportError::Io { path: path.to_owned(), source };
         let metadata = fs::metadata(path).map_err(io)?;
         let stamp = Stamp::of(&metadata);
@@ -113,7 +124,7 @@ impl Digests {
         let known = match known() {
             Some(known) => known,
             None => {
-                let blake3 = digest(path)?;
+                let blake3 = digest(path).map_err(io)?;
                 let named = is_mesh.then(|| named_files(path));
                 let Stamp { bytes, modified_ns, inode, .. } = stamp;
                 Known { bytes, modified_ns, inode, blake3, named }
@@ -160,14 +171,16 @@ impl Stamp {
     }
 }
 
-fn digest(path: &Path) -> Result<String, ImportError> {
-    let io = |source: io::Error| ImportError::Io { path: path.to_owned(), source };
-    let (mut file, _): (File, _) =
-        open_regular(path).map_err(|error| io(io::Error::other(error.to_string())))?;
+fn digest(path: &Path) -> io::Result<String> {
+    let (file, _) = open_regular(path).map_err(io::Error::other)?;
+    read_digest(file)
+}
+
+fn read_digest(mut file: File) -> io::Result<String> {
     let mut hasher = blake3::Hasher::new();
     let mut buffer = vec![0; BUFFER_BYTES];
     loop {
-        match file.read(&mut buffer).map_err(io)? {
+        match file.read(&mut buffer)? {
             0 => return Ok(hasher.finalize().to_hex().to_string()),
             count => _ = hasher.update(&buffer[..count]),
         }

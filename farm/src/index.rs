@@ -7,7 +7,7 @@ use serde::{Deserialize, Serialize};
 use crate::manifest::Manifest;
 use crate::outcome::Built;
 use crate::output::{self, Output};
-use crate::record::Record;
+use crate::record::Facts;
 
 /// Version of the index.
 const SCHEMA: u32 = 1;
@@ -58,36 +58,6 @@ pub struct IndexEntry {
     pub over_budget: Vec<String>,
 }
 
-/// Facts of a species: its record, but for its parts.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-pub struct Facts {
-    /// Key of its parts.
-    pub key: String,
-    /// Bytes of its file.
-    pub bytes: u64,
-    /// Digest of its file.
-    pub blake3: String,
-    /// Triangles of the mesh: all, leaf, wood.
-    pub triangles: [u64; 3],
-    /// Width along x, height along y, depth along z, in metres.
-    pub size_m: [f64; 3],
-    /// Sites along each edge.
-    pub lattice: u32,
-    /// Names of the bands.
-    pub bands: Vec<String>,
-    /// Error of the fit over suns, of the mean total fluence.
-    pub suns_error: Option<f64>,
-    /// Peak signal to noise of the coding, in dB.
-    pub psnr_db: Option<f64>,
-    /// Whether every solve met its tolerance.
-    pub is_converged: bool,
-    /// Seconds of its bake.
-    pub seconds: f64,
-    /// Doubts about the mesh, and warnings.
-    #[serde(skip_serializing_if = "Vec::is_empty", default)]
-    pub warnings: Vec<String>,
-}
-
 impl Index {
     /// The index of what is there: of the species of a build as they are now, and of others of the manifest as they
     /// were built last.
@@ -103,8 +73,8 @@ impl Index {
                 file: format!("species/{}.flb", entry.name),
                 picture: picture.then(|| format!("pictures/{}.png", entry.name)),
                 variant_of: entry.variant_of.clone(),
-                over_budget: record.over(&entry.budget),
-                facts: Facts::of(record),
+                over_budget: record.facts.over(&entry.budget),
+                facts: record.facts,
             };
             Some((entry.name.clone(), one))
         };
@@ -125,26 +95,5 @@ impl Index {
             hasher.update(name.as_bytes()).update(b"\0").update(entry.facts.blake3.as_bytes());
         }
         hasher.finalize().to_hex().to_string()
-    }
-}
-
-impl Facts {
-    fn of(record: Record) -> Facts {
-        let Record { key, bytes, blake3, triangles, size_m, lattice, bands, .. } = record;
-        let Record { suns_error, psnr_db, is_converged, seconds, warnings, .. } = record;
-        Facts {
-            key,
-            bytes,
-            blake3,
-            triangles,
-            size_m,
-            lattice,
-            bands,
-            suns_error,
-            psnr_db,
-            is_converged,
-            seconds,
-            warnings,
-        }
     }
 }

@@ -13,7 +13,7 @@ use flb_stage::read::read_classed;
 use crate::FarmError;
 use crate::job::Job;
 use crate::pictures::thumbnails;
-use crate::record::Record;
+use crate::record::{Facts, Record};
 
 /// A species as it was baked.
 #[derive(Debug, Clone, PartialEq)]
@@ -24,8 +24,8 @@ pub struct Made {
     pub record: Record,
     /// Pictures of it, as a PNG file; empty where its light has no colours.
     pub picture: Vec<u8>,
-    /// Log of the bake, a line each.
-    pub log: Vec<String>,
+    /// Log of the bake, in lines.
+    pub log: String,
 }
 
 /// Hears how far a species is.
@@ -76,17 +76,14 @@ pub fn make(job: &Job, store: &dyn Store, listener: &dyn Listener) -> Result<Mad
     if !converged {
         warnings.push("a solve ended before it met its tolerance".to_owned());
     }
-    let record = Record {
-        key: job.key.clone(),
-        parts: job.parts.clone(),
-        bytes: file.len() as u64,
-        blake3: blake3::hash(&file).to_hex().to_string(),
+    let facts = Facts {
         is_converged: converged,
         seconds: start.elapsed().as_secs_f64(),
-        stages,
         warnings,
-        ..Record::of(&species, fields.medium.nonempty_sites())
+        ..Facts::of(&species, &job.key, &file)
     };
+    let (name, parts, sites) = (entry.name.clone(), job.parts.clone(), fields.medium.nonempty_sites() as u64);
+    let record = Record { name, parts, sites, stages, facts };
     Ok(Made { file, record, picture: picture.unwrap_or_default(), log })
 }
 
@@ -107,7 +104,7 @@ struct Heard<'l> {
 
 #[derive(Default)]
 struct State {
-    log: Vec<String>,
+    log: String,
     stages: Vec<(String, f64)>,
     running: Option<(Step, Instant)>,
 }
@@ -136,7 +133,7 @@ impl Observer for Heard<'_> {
     }
 
     fn note(&self, text: &str) {
-        self.state.lock().expect("no holder panics").log.push(text.to_owned());
+        self.state.lock().expect("no holder panics").log.push_str(&format!("{text}\n"));
     }
 
     fn is_cancelled(&self) -> bool {

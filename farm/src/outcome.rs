@@ -54,7 +54,7 @@ impl Summary {
 
     /// Whether every species is there, converged and within its budget.
     pub fn is_whole(&self) -> bool {
-        let is_there = |built: &Built| built.record.as_ref().is_some_and(|record| record.is_converged);
+        let is_there = |built: &Built| built.record.as_ref().is_some_and(|record| record.facts.is_converged);
         self.species.iter().all(|built| is_there(built) && built.over.is_empty())
     }
 }

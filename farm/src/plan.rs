@@ -90,7 +90,7 @@ pub(crate) fn stored_record(store: &Folder, key: &str) -> Option<Record> {
     let entry = format!("species-{key}.json");
     let bytes = store.read(&entry)?;
     match serde_json::from_slice::<Record>(&bytes) {
-        Ok(record) if record.key == key && record.parts.key() == key => Some(record),
+        Ok(record) if record.facts.key == key && record.parts.key() == key => Some(record),
         Ok(_) => {
             store.damaged(&entry, "is of other parts than its name says");
             None
@@ -106,8 +106,8 @@ fn state(job: &Job, output: &Output, store: &Folder, digests: &Digests) -> State
     let name = &job.entry.name;
     let built = output.record(name);
     if let Some(record) = &built
-        && record.key == job.key
-        && digests.is(&output.species(name), &record.blake3)
+        && record.facts.key == job.key
+        && digests.is(&output.species(name), &record.facts.blake3)
     {
         return State::Current(Box::new(record.clone()));
     }
@@ -118,7 +118,7 @@ fn state(job: &Job, output: &Output, store: &Folder, digests: &Digests) -> State
     }
     State::Due(match built {
         None => Why::New,
-        Some(record) if record.key == job.key => Why::Lost,
+        Some(record) if record.facts.key == job.key => Why::Lost,
         Some(record) => Why::Changed(job.parts.changes(&record.parts)),
     })
 }

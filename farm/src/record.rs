@@ -13,10 +13,22 @@ use crate::parts::Parts;
 pub struct Record {
     /// Name of the species.
     pub name: String,
-    /// Key of its parts.
-    pub key: String,
     /// Inputs and settings that its file depends on.
     pub parts: Parts,
+    /// Sites with matter.
+    pub sites: u64,
+    /// Name and seconds of each stage.
+    pub stages: Vec<(String, f64)>,
+    /// Facts that an index tells, too.
+    #[serde(flatten)]
+    pub facts: Facts,
+}
+
+/// Facts of a species that an index tells.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct Facts {
+    /// Key of its parts.
+    pub key: String,
     /// Bytes of its file.
     pub bytes: u64,
     /// Digest of its file, 64 hexadecimal digits.
@@ -27,8 +39,6 @@ pub struct Record {
     pub size_m: [f64; 3],
     /// Sites along each edge.
     pub lattice: u32,
-    /// Sites with matter.
-    pub sites: u64,
     /// Names of the bands.
     pub bands: Vec<String>,
     /// Error of the fit over suns that were held out, of the mean total fluence; `None` where nothing is fitted.
@@ -37,36 +47,31 @@ pub struct Record {
     pub psnr_db: Option<f64>,
     /// Whether every solve met its tolerance.
     pub is_converged: bool,
-    /// Seconds of the bake, and of each of its stages.
+    /// Seconds of the bake.
     pub seconds: f64,
-    /// Name and seconds of each stage.
-    pub stages: Vec<(String, f64)>,
     /// Doubts about the mesh, and warnings.
+    #[serde(skip_serializing_if = "Vec::is_empty", default)]
     pub warnings: Vec<String>,
 }
 
-impl Record {
-    /// Of a species that is coded, but for what its file is.
-    pub(crate) fn of(species: &EncodedSpecies, sites: usize) -> Record {
+impl Facts {
+    /// Facts of a species that is coded, and of its file.
+    pub(crate) fn of(species: &EncodedSpecies, key: &str, file: &[u8]) -> Facts {
         let meta = &species.meta;
         let light: Option<&LightError> = meta.physical().map(|(_, light)| &light.error);
         let held_out = light.filter(|error| error.held_out > 0);
-        Record {
-            name: meta.name.clone(),
-            key: String::new(),
-            parts: Parts::default(),
-            bytes: 0,
-            blake3: String::new(),
+        Facts {
+            key: key.to_owned(),
+            bytes: file.len() as u64,
+            blake3: blake3::hash(file).to_hex().to_string(),
             triangles: [meta.triangles.total, meta.triangles.leaf, meta.triangles.wood],
             size_m: std::array::from_fn(|axis| meta.bounds_m.max[axis] - meta.bounds_m.min[axis]),
             lattice: meta.grid.lattice,
-            sites: sites as u64,
             bands: meta.bands().map(str::to_owned).collect(),
             suns_error: held_out.map(|error| error.suns_rms),
             psnr_db: meta.recorded(&SURFACE_PSNR_DB).flatten(),
             is_converged: true,
             seconds: 0.0,
-            stages: Vec::new(),
             warnings: Vec::new(),
         }
     }

@@ -25,7 +25,7 @@ use std::path::Path;
 pub use self::error::{Fault, ImportError, excerpt, quoted};
 pub use self::files::{read_bytes, read_text};
 pub use self::gltf::{Plant, Stand, StandSpecies, WHOLE};
-pub use self::images::{cut_share, soft_share};
+pub use self::images::{MAX_SOFT, cut_share, soft_share};
 pub use self::limits::{MAX_SPECIES, TEXT_BYTES};
 pub use self::memory::{ask, reserve};
 pub use self::named::named_files;

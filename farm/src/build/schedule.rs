@@ -1,6 +1,6 @@
 //! Which species is made when: the heaviest first, as long as cores and memory are free.
 
-use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::atomic::Ordering;
 use std::sync::{Condvar, Mutex, PoisonError};
 
 use rayon::ThreadPoolBuilder;
@@ -32,7 +32,7 @@ pub(super) fn run(
     // What is there already comes last in the list, which is taken from its end.
     waiting.sort_by_key(|(at, planned)| (!is_due(planned), planned.memory_bytes, std::cmp::Reverse(*at)));
     let queue = Mutex::new(Queue { waiting, memory_bytes: 0, running: 0 });
-    let (freed, is_stopped) = (Condvar::new(), AtomicBool::new(false));
+    let freed = Condvar::new();
     let built: Mutex<Vec<(usize, Built)>> = Mutex::default();
     let pools = (0..jobs).map(|_| ThreadPoolBuilder::new().num_threads(threads).build());
     let pools =
@@ -40,12 +40,11 @@ pub(super) fn run(
     std::thread::scope(|scope| {
         for pool in &pools {
             scope.spawn(|| {
-                while let Some((at, planned)) = next(&queue, &freed, settings.memory_bytes, &is_stopped) {
+                while let Some((at, planned)) = next(&queue, &freed, settings.memory_bytes, work) {
                     let bytes = planned.memory_bytes;
-                    let stopped = || is_stopped.load(Ordering::Relaxed);
-                    let one = pool.install(|| work.one(planned, &stopped));
+                    let one = pool.install(|| work.one(planned));
                     if matches!(one.outcome, Outcome::Failed(_)) && settings.on_failure == OnFailure::Stop {
-                        is_stopped.store(true, Ordering::Relaxed);
+                        work.has_failed.store(true, Ordering::Relaxed);
                     }
                     let mut queue = queue.lock().unwrap_or_else(PoisonError::into_inner);
                     (queue.memory_bytes, queue.running) = (queue.memory_bytes - bytes, queue.running - 1);
@@ -70,15 +69,10 @@ pub(super) fn run(
 }
 
 /// The heaviest species that fits, or any where none is being made; `None` where none waits.
-fn next(
-    queue: &Mutex<Queue>,
-    freed: &Condvar,
-    memory_bytes: u64,
-    is_stopped: &AtomicBool,
-) -> Option<(usize, Planned)> {
+fn next(queue: &Mutex<Queue>, freed: &Condvar, memory_bytes: u64, work: &Work) -> Option<(usize, Planned)> {
     let mut queue = queue.lock().unwrap_or_else(PoisonError::into_inner);
     loop {
-        if queue.waiting.is_empty() || is_stopped.load(Ordering::Relaxed) {
+        if queue.waiting.is_empty() || work.is_stopped() {
             return None;
         }
         let free = memory_bytes.saturating_sub(queue.memory_bytes);

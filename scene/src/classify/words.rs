@@ -63,8 +63,8 @@ pub fn told(name: &str) -> Told {
     Told::Nothing
 }
 
-/// The thing that a word of a plant is only said of: one that stands right before a word of [`COVERS`], or before one
-/// of [`OF`].
+/// The thing that a name is of, where its head stands first: a word of a thing right before a word of [`COVERS`], or
+/// before one of [`OF`].
 fn head_before(before: &[String], word: &str) -> Option<String> {
     let is_thing = |part: &&String| matches!(told_by_part(part), Told::Foreign(_));
     let says = |part: &&String| !is_neutral(part);

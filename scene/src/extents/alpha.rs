@@ -3,7 +3,7 @@
 
 use super::Doubt;
 use crate::alpha::Coverage;
-use crate::import::{area, soft_share};
+use crate::import::{MAX_SOFT, area, soft_share};
 use crate::mesh::{AlphaMode, Image, Material};
 use crate::sampling::on_triangle;
 use crate::{ClassedMesh, MaterialClass, Mesh};
@@ -13,8 +13,6 @@ const MIN_LEFT: f64 = 0.01;
 /// Triangles of a material that are looked at first, and points of each: most plants show enough there.
 const LOOKED_AT: usize = 1024;
 const POINTS: u32 = 16;
-/// Largest share of an alpha channel that is neither near 0 nor near 1, for an outline.
-const MAX_SOFT: f64 = 0.5;
 /// An outline of leaves cuts this share of their cards at least.
 const MIN_OUTSIDE: f64 = 0.15;
 /// Alpha at which an outline is taken that its material does not use.

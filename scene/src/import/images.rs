@@ -235,6 +235,9 @@ pub fn cut_share(image: &Image, cutoff: f32) -> f64 {
     cut as f64 / (image.rgba.len() / 4).max(1) as f64
 }
 
+/// Largest [`soft_share`] of an outline: more is a map of gloss or height.
+pub const MAX_SOFT: f64 = 0.5;
+
 /// Share of texels whose alpha is neither near 0 nor near 1: few in the outline of a leaf, most in a map of gloss.
 pub fn soft_share(image: &Image) -> f64 {
     let texels = image.rgba.as_chunks::<4>().0;

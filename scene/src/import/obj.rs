@@ -21,7 +21,7 @@ use super::choice::Choice;
 use super::error::ImportError;
 use super::files::Files;
 use super::gltf::Surfaces;
-use super::images::{Coverage, Images, soft_share};
+use super::images::{Coverage, Images, MAX_SOFT, soft_share};
 use super::soup::{FileFrame, Soup};
 use crate::mesh::{AlphaMode, Material, Texture};
 
@@ -75,10 +75,6 @@ pub(super) fn library_names(line: &str) -> Option<&str> {
 pub(super) fn map_name(line: &str) -> Option<String> {
     mtl::map_name(line)
 }
-/// Largest share of an alpha channel that is neither near 0 nor near 1, for an outline: more is a map of gloss or
-/// height.
-const MAX_SOFT: f64 = 0.5;
-
 /// With its textures, which are looked for in the folders.
 fn material(
     files: &mut Files,
