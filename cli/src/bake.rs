@@ -1,7 +1,6 @@
 //! `flb bake`: from mesh files to one published library.
 
 pub(crate) mod checks;
-pub(crate) mod limits;
 pub(crate) mod model;
 pub(crate) mod settings;
 
@@ -10,6 +9,7 @@ use std::path::Path;
 use flb_baker::bake::{BakeSettings, Baked, bake};
 use flb_baker::plan::Plan;
 use flb_eval::{JudgeSettings, judge_coded};
+use flb_farm::store::Folder;
 use flb_files::check_unread;
 use flb_format::Codec;
 use flb_packer::{EncodeSettings, encode_species, write_library};
@@ -17,7 +17,6 @@ use flb_scene::{ClassedMesh, Step};
 use serde::Serialize;
 
 use crate::args::BakeArgs;
-use crate::cache::Cache;
 use crate::classes::MeshReader;
 use crate::colors::{self, ColorRow};
 use crate::exit::{Failure, LOSS};
@@ -27,7 +26,7 @@ use crate::size::Measured;
 use crate::stages::{Stage, Stages};
 use crate::summary::{SpeciesSummary, misses_its_error, saving_lines, species_table, stage_table};
 use checks::{check_judge, check_names, check_settings};
-use model::{follows_colors, say_device, say_other_model};
+use model::{say_device, say_other_model};
 use settings::settings_of;
 
 /// The summary of a bake; `--json` prints it (cli/schema/bake.json).
@@ -44,8 +43,9 @@ struct Summary {
 /// Checks, bakes every mesh, writes the library (and the fields, if they are kept), prints the summary.
 pub(crate) fn run(args: &BakeArgs) -> Result<u8, Failure> {
     check_settings(args)?;
-    let coding = &args.coding.settings(args.quality())?;
-    model::settings(args)?;
+    let recipe = model::recipe(args);
+    let coding = &recipe.encode_settings()?;
+    recipe.model_settings(model::machine(args))?;
     let mut reader = MeshReader::new(&args.mesh)?;
     check_judge(args, &reader)?;
     let names = check_names(args, &reader)?;
@@ -62,7 +62,8 @@ pub(crate) fn run(args: &BakeArgs) -> Result<u8, Failure> {
         }
     }
     say_device(args)?;
-    let cache = Cache::open(args.cache.as_deref());
+    let tell = |told: &str| say!("{told}");
+    let cache = Folder::open(args.cache.as_deref(), &tell);
     say_other_model(args, &reader);
     let stages = Stages::default();
     let mut coded = Vec::new();
@@ -116,7 +117,7 @@ pub(crate) fn run(args: &BakeArgs) -> Result<u8, Failure> {
         ))?,
     }
     summary.species.iter().for_each(SpeciesSummary::say_missed);
-    let missed = args.coding.asks_for_error() && coded.iter().any(misses_its_error);
+    let missed = recipe.asks_for_error() && coded.iter().any(misses_its_error);
     Ok(if converged && !missed { 0 } else { LOSS })
 }
 
@@ -135,7 +136,7 @@ fn bake_one(
     args: &BakeArgs,
     settings: &BakeSettings,
     reader: &MeshReader,
-    cache: &Cache,
+    cache: &Folder,
     stages: &Stages,
 ) -> Result<One, Failure> {
     let classed = stages.run(Step::Import, name, |_| reader.read_classed(path))?;
@@ -147,7 +148,7 @@ fn bake_one(
     let mesh = args.judge.then(|| classed.clone());
     let plant = reader.plants.plant(name.to_owned(), classed);
     let colours = colors::of_plant(&plant);
-    if follows_colors(args) {
+    if model::recipe(args).follows_colors() {
         colors::say_colors(path, &plant);
     }
     let baked = bake(plant, settings, cache, stages).map_err(|error| Failure::from(error).at(path))?;

@@ -6,7 +6,6 @@
 mod args;
 mod bake;
 mod bake_scene;
-mod cache;
 mod classes;
 mod clean;
 mod colors;

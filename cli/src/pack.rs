@@ -124,7 +124,7 @@ pub(crate) fn run(args: &PackArgs) -> Result<u8, Failure> {
         ))?,
     }
     summary.species.iter().for_each(SpeciesSummary::say_missed);
-    let missed = args.coding.asks_for_error() && coded.iter().any(misses_its_error);
+    let missed = args.coding.recipe(args.quality).asks_for_error() && coded.iter().any(misses_its_error);
     Ok(if missed { LOSS } else { 0 })
 }
 
@@ -176,13 +176,14 @@ fn loss(species: &Species, codec: Codec) -> Option<&'static str> {
 
 /// `None`: copy species as they are. That is what merging means unless a coding flag asks for more.
 fn settings(args: &PackArgs) -> Result<Option<EncodeSettings>, Failure> {
-    if args.inputs.len() > 1 && args.quality.is_none() && !args.coding.is_asked() {
+    let recipe = args.coding.recipe(args.quality);
+    if args.inputs.len() > 1 && args.quality.is_none() && !recipe.asks_for_coding() {
         return Ok(None);
     }
-    let codec = args.coding.codec(args.quality.unwrap_or_default());
+    let codec = recipe.codec();
     if args.quality.is_some() && matches!(codec, Codec::RawF32 | Codec::RawF16) {
         let message = format!("--codec {} drops no detail; it takes no --quality", codec.name());
         return Err(Failure::new(USAGE, message));
     }
-    args.coding.settings(args.quality.unwrap_or_default()).map(Some)
+    Ok(Some(recipe.encode_settings()?))
 }

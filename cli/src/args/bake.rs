@@ -109,10 +109,3 @@ pub(crate) enum BackendArg {
     /// That GPU if it is hardware, else the CPU
     Auto,
 }
-
-impl BakeArgs {
-    /// What `--quality` stands for here.
-    pub(crate) fn quality(&self) -> Quality {
-        self.quality.unwrap_or_default()
-    }
-}

@@ -1,11 +1,8 @@
 //! Flags that say how closely a file keeps the fields.
 
 use clap::Args;
+use flb_farm::Recipe;
 use flb_format::{Codec, Quality};
-use flb_packer::rate::Target;
-use flb_packer::{EncodeSettings, StoredBlocks};
-
-use crate::exit::{Failure, USAGE};
 
 #[derive(Args, Clone)]
 pub(crate) struct CodingArgs {
@@ -37,66 +34,20 @@ pub(crate) struct CodingArgs {
 }
 
 impl CodingArgs {
-    /// Whether any flag asks for another coding.
-    pub(crate) fn is_asked(&self) -> bool {
-        self.codec.is_some()
-            || self.target_psnr.is_some()
-            || self.target_error.is_some()
-            || self.all_blocks
-            || self.near_geometry
-            || self.threshold.is_some()
-            || self.compress.is_some()
-    }
-
-    /// Whether a flag asks for an error: then missing it is a loss. That of a preset is a wish, and missing it worth a
-    /// warning.
-    pub(crate) fn asks_for_error(&self) -> bool {
-        self.target_psnr.is_some() || self.target_error.is_some()
-    }
-
-    /// The codec that the flags ask for.
-    pub(crate) fn codec(&self, quality: Quality) -> Codec {
-        let is_papers = self.threshold.is_some() || quality == Quality::Papers;
-        let usual = if is_papers { Codec::HaarPaper } else { Codec::Classed };
-        self.codec.unwrap_or(usual)
-    }
-
-    /// What the flags ask for, and the preset where they do not.
-    pub(crate) fn settings(&self, quality: Quality) -> Result<EncodeSettings, Failure> {
-        let codec = self.codec(quality);
-        let preset = EncodeSettings::of(quality, codec);
-        let refuse = |message: String| Err(Failure::new(USAGE, message));
-        if codec != Codec::HaarPaper && self.threshold.is_some() {
-            return refuse(format!("--threshold is for --codec haar-paper, not for {}", codec.name()));
+    /// These flags as settings of a bake; the others are left out.
+    pub(crate) fn recipe(&self, quality: Option<Quality>) -> Recipe {
+        let CodingArgs { codec, target_psnr, target_error, all_blocks, near_geometry, threshold, compress } =
+            *self;
+        Recipe {
+            quality,
+            codec,
+            target_psnr,
+            target_error,
+            all_blocks: all_blocks.then_some(true),
+            near_geometry: near_geometry.then_some(true),
+            threshold,
+            compress,
+            ..Recipe::default()
         }
-        let near = [
-            ("--target-psnr", self.target_psnr.is_some()),
-            ("--target-error", self.target_error.is_some()),
-            ("--all-blocks", self.all_blocks),
-        ];
-        if let Some((flag, _)) = near.iter().find(|(_, given)| *given && !codec.is_near_geometry()) {
-            return refuse(format!("{flag} is for --codec classed and haar, not for {}", codec.name()));
-        }
-        if self.near_geometry && codec != Codec::HaarPaper {
-            return refuse(format!("--near-geometry is for --codec haar-paper, not for {}", codec.name()));
-        }
-        let threshold = self.threshold.unwrap_or(preset.threshold);
-        if !(threshold.is_finite() && threshold >= 0.0) {
-            return refuse(format!("--threshold is {threshold}, expected a number from 0 up"));
-        }
-        let target = match (self.target_psnr, self.target_error) {
-            (Some(psnr_db), Some(relative)) => Target::Both { psnr_db, relative },
-            (Some(db), None) => Target::Psnr(db),
-            (None, Some(share)) => Target::Relative(share),
-            (None, None) => preset.target,
-        };
-        target.check().map_err(|error| Failure::new(USAGE, error))?;
-        let compress = self.compress.unwrap_or(preset.compress);
-        let blocks = match (self.all_blocks, self.near_geometry) {
-            (true, _) => StoredBlocks::All,
-            (false, true) => StoredBlocks::NearGeometry,
-            (false, false) => StoredBlocks::Usual,
-        };
-        Ok(EncodeSettings { threshold, target, blocks, compress, ..preset })
     }
 }

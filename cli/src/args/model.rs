@@ -47,19 +47,3 @@ pub(crate) enum ModelArg {
     /// docs/lighting-model.md says
     Paper,
 }
-
-impl ModelArgs {
-    /// The first flag that only the `physical` model has.
-    pub(crate) fn physical_flag(&self) -> Option<&'static str> {
-        let flags = [
-            ("--suns", self.suns.is_some()),
-            ("--ordinates", self.ordinates.is_some()),
-            ("--rays", self.rays.is_some()),
-            ("--cut-sites", self.cut_sites.is_some()),
-            ("--field", self.field.is_some()),
-            ("--leaf-angles", self.leaf_angles.is_some()),
-            ("--monte-carlo", self.monte_carlo > 0),
-        ];
-        flags.into_iter().find(|(_, given)| *given).map(|(flag, _)| flag)
-    }
-}

@@ -2,11 +2,11 @@
 
 use std::path::{Path, PathBuf};
 
+use flb_farm::recipe::check_lattice;
 use flb_format::colors::color_bands;
 use flb_scene::plant::file_name;
 
-use super::limits::check_lattice;
-use super::model::without_scattered_light;
+use super::model::recipe;
 use crate::args::{BackendArg, BakeArgs, SolverArg};
 use crate::classes::MeshReader;
 use crate::exit::{Failure, USAGE};
@@ -71,8 +71,8 @@ pub(crate) fn check_judge(args: &BakeArgs, reader: &MeshReader) -> Result<(), Fa
     if !args.judge {
         return Ok(());
     }
-    if let Some(flag) = without_scattered_light(args) {
-        return refuse(flag);
+    if let Some(setting) = recipe(args).without_scattered_light() {
+        return refuse(&format!("--{setting}"));
     }
     let surfaces = reader.plants.surfaces();
     let bands: Vec<&str> = surfaces.bands.iter().map(|band| band.name.as_str()).collect();

@@ -2,7 +2,7 @@
 
 use flb_baker::bake::{BakeSettings, Wanted};
 use flb_baker::plan::Plan;
-use flb_baker::voxelise::MAX_VOXELS;
+use flb_farm::Recipe;
 
 use super::model;
 use crate::args::BakeArgs;
@@ -29,18 +29,7 @@ pub(crate) fn bake_settings(
 ) -> Result<BakeSettings, Failure> {
     let planned = plan.map(|plan| plan.share(species)).transpose()?.and_then(|share| share.lattice);
     let wanted = plan.map(|plan| Wanted::by_plan(plan, species)).transpose()?;
-    let voxels = args.voxels.unwrap_or(BakeSettings::of(args.quality()).voxels);
-    Ok(BakeSettings {
-        lattice: lattice(args, planned, voxels, species)?,
-        voxels,
-        ignore_alpha: args.ignore_alpha || BakeSettings::of(args.quality()).ignore_alpha,
-        wanted: wanted.unwrap_or_default(),
-        model: model::settings(args)?,
-    })
-}
-
-/// The flag's, the plan's, or the preset's; not two of them, and a divisor of `voxels`.
-fn lattice(args: &BakeArgs, planned: Option<u32>, voxels: u32, species: &str) -> Result<u32, Failure> {
+    let recipe = model::recipe(args);
     if let (Some(planned), Some(asked)) = (planned, args.lattice) {
         let message = format!(
             "the plan bakes species {species:?} at lattice {planned}; --lattice {asked} cannot be given with it"
@@ -48,12 +37,6 @@ fn lattice(args: &BakeArgs, planned: Option<u32>, voxels: u32, species: &str) ->
         let failure = Failure::new(USAGE, message);
         return Err(args.plan.iter().fold(failure, |failure, path| failure.at(path)));
     }
-    let lattice = args.lattice.or(planned).unwrap_or(BakeSettings::of(args.quality()).lattice);
-    if !(voxels.is_multiple_of(lattice) && (1..=MAX_VOXELS).contains(&voxels)) {
-        let message = format!(
-            "--voxels is {voxels}, expected a multiple of the lattice, {lattice}, up to {MAX_VOXELS}"
-        );
-        return Err(Failure::new(USAGE, message));
-    }
-    Ok(lattice)
+    let recipe = Recipe { lattice: recipe.lattice.or(planned), ..recipe };
+    Ok(BakeSettings { wanted: wanted.unwrap_or_default(), ..recipe.bake_settings(model::machine(args))? })
 }
