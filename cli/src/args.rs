@@ -7,6 +7,7 @@ mod coding;
 mod gpu_count;
 mod highlight;
 mod judge;
+mod library;
 mod model;
 mod plan;
 mod preset;
@@ -40,6 +41,7 @@ pub(crate) use bands::BandArgs;
 pub(crate) use coding::CodingArgs;
 pub(crate) use highlight::HighlightArgs;
 pub(crate) use judge::JudgeArgs;
+pub(crate) use library::{BuildArgs, LibraryArgs, LibraryCommand, ManifestArgs, WhyArgs};
 pub(crate) use model::{ModelArg, ModelArgs};
 pub(crate) use plan::PlanArgs;
 pub(crate) use render::{RenderArgs, RenderBackendArg};
@@ -127,6 +129,8 @@ pub(crate) enum Command {
     Scene(SceneArgs),
     /// Bake a plant under a grid of choices, measure each, and say which to choose
     Trade(TradeArgs),
+    /// Bake a library of species from a manifest: what changed and no more
+    Library(LibraryArgs),
     /// Say what this machine offers; `--extremes` tries the solvers at the ends of their range
     Doctor(DoctorArgs),
 }

@@ -1,5 +1,7 @@
 //! Exit codes, and the error that carries one to `main`.
 
+mod farm;
+
 use std::error::Error;
 use std::fmt::Display;
 use std::path::Path;

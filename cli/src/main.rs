@@ -21,6 +21,7 @@ mod grow;
 mod info;
 mod inputs;
 mod judge;
+mod library;
 mod materials;
 mod memory;
 mod mesh_of_light;
@@ -143,6 +144,7 @@ fn run(command: Command) -> Result<u8, Failure> {
         Command::Scene(args) => scene::run(&args),
         Command::Doctor(args) => doctor::run(&args),
         Command::Trade(args) => trade::run(&args),
+        Command::Library(args) => library::run(&args),
     }
 }
 

@@ -48,17 +48,19 @@ fn cli() -> Command {
 /// The page, made anew.
 fn page() -> String {
     let mut text = HEAD.to_owned();
-    let mut command = cli();
-    let mut add = |title: &str, help: String| {
+    for (title, command) in with_all_below("flb", &cli()) {
+        let help = command.clone().term_width(WIDTH).render_long_help().to_string();
         let lines: Vec<&str> = help.trim_end().lines().map(str::trim_end).collect();
         text += &format!("\n## {title}\n\n```text\n{}\n```\n", lines.join("\n"));
-    };
-    add("flb", command.render_long_help().to_string());
-    for subcommand in command.get_subcommands_mut().filter(|one| one.get_name() != "help") {
-        let help = subcommand.clone().term_width(WIDTH).render_long_help().to_string();
-        add(&format!("flb {}", subcommand.get_name()), help);
     }
     text
+}
+
+/// A command and those below it, each by the words that call it.
+fn with_all_below<'c>(words: &str, command: &'c Command) -> Vec<(String, &'c Command)> {
+    let below = command.get_subcommands().filter(|one| one.get_name() != "help");
+    let below = below.flat_map(|one| with_all_below(&format!("{words} {}", one.get_name()), one));
+    std::iter::once((words.to_owned(), command)).chain(below).collect()
 }
 
 /// Every Markdown file of ours: its path from the root and its text.
@@ -165,15 +167,19 @@ fn faults(text: &str) -> Vec<String> {
             found.push(format!("{line}: {}", error.to_string().lines().next().unwrap_or_default()));
         }
     }
-    let all: BTreeSet<String> = command.get_subcommands().flat_map(flags).collect();
+    let all: BTreeSet<String> =
+        with_all_below("flb", &command).into_iter().flat_map(|(_, command)| flags(command)).collect();
     for piece in code(text) {
         let words = words(&piece);
         let known = match words.first().map(String::as_str) {
             Some("flb") if words.len() > 1 && !words[1].starts_with('-') => {
-                let Some(subcommand) = command.find_subcommand(&words[1]) else {
+                let Some(mut subcommand) = command.find_subcommand(&words[1]) else {
                     found.push(format!("`{piece}`: no such command"));
                     continue;
                 };
+                while let Some(below) = words[2..].iter().find_map(|word| subcommand.find_subcommand(word)) {
+                    subcommand = below;
+                }
                 flags(subcommand)
             }
             Some("flb") => all.clone(),

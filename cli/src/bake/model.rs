@@ -1,7 +1,7 @@
 //! What follows from the model that `flb bake` is asked for: its settings, the flags that it refuses, and what is said.
 
+use flb_farm::Recipe;
 use flb_farm::recipe::{Machine, ModelName, SolverName};
-use flb_farm::{Recipe, RecipeError};
 use flb_stage::backend::GpuCount;
 use flb_transport::gpu::find_gpus;
 use flb_transport::lattice::find_gpu;
@@ -9,7 +9,7 @@ use flb_transport::ordinates::OrdinatesError;
 
 use crate::args::{BackendArg, BakeArgs, ModelArg, ModelArgs, SolverArg};
 use crate::classes::MeshReader;
-use crate::exit::{Failure, UNSUPPORTED, USAGE};
+use crate::exit::{Failure, UNSUPPORTED};
 use crate::print::say;
 
 /// The flags as settings of a bake.
@@ -40,17 +40,6 @@ pub(crate) fn recipe(args: &BakeArgs) -> Recipe {
         leaf_angles,
         monte_carlo: Some(monte_carlo),
         ..args.coding.recipe(args.quality)
-    }
-}
-
-/// Settings as flags: `--suns`, `--model physical`.
-impl From<RecipeError> for Failure {
-    fn from(error: RecipeError) -> Failure {
-        let flag = |key: &str, value: Option<&str>| {
-            let flag = format!("--{}", key.replace('_', "-"));
-            value.map_or(flag.clone(), |value| format!("{flag} {value}"))
-        };
-        Failure::new(USAGE, error.spelled(flag))
     }
 }
 

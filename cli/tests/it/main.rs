@@ -22,6 +22,7 @@ mod hostile_scenes;
 mod json;
 mod judge;
 mod killed;
+mod library;
 mod main_job;
 mod migrate;
 mod mistakes;

@@ -26,12 +26,15 @@ fn every_document_with_rust_is_compiled() {
 #[test]
 fn every_scene_and_species_file_that_a_document_shows_is_read() {
     let (documents, _) = documents();
-    let (mut scenes, mut species) = (0, 0);
+    let (mut scenes, mut species, mut manifests) = (0, 0, 0);
     for file in &documents {
         for block in blocks(&file.text, "toml") {
             let read = if block.contains("[[instance]]") {
                 scenes += 1;
                 flb_scene::scene::Scene::parse(&file.path, Path::new("."), &block).map(drop)
+            } else if block.contains("\n[[species]]") {
+                manifests += 1;
+                flb_farm::Manifest::check_text(&file.path, &block)
             } else {
                 species += 1;
                 flb_scene::SpeciesFile::parse(&file.path, &block).map(drop)
@@ -39,7 +42,10 @@ fn every_scene_and_species_file_that_a_document_shows_is_read() {
             assert!(read.is_ok(), "{}: {}\n{block}", file.path, read.expect_err("just seen"));
         }
     }
-    assert!(scenes > 1 && species > 2, "{scenes} scenes, {species} species files");
+    assert!(
+        scenes > 1 && species > 2 && manifests > 0,
+        "{scenes} scenes, {species} species files, {manifests} manifests"
+    );
 }
 
 #[test]

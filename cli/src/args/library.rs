@@ -1,0 +1,70 @@
+//! Arguments of `flb library`.
+
+use std::path::PathBuf;
+
+use clap::{Args, Subcommand};
+
+#[derive(Args)]
+#[command(after_help = "Schema of what --json prints: cli/schema/library.json")]
+pub(crate) struct LibraryArgs {
+    #[command(subcommand)]
+    pub command: LibraryCommand,
+}
+
+#[derive(Subcommand)]
+pub(crate) enum LibraryCommand {
+    /// Look for all that is wrong with a manifest, its species files and its meshes, before any work; exit 1 where
+    /// something is
+    Check(ManifestArgs),
+    /// Bake what changed, take the rest from where it is, write one file of all, an index and a page
+    Build(BuildArgs),
+    /// Say why a species would be baked: which input or setting is another one than before
+    Why(WhyArgs),
+}
+
+#[derive(Args)]
+pub(crate) struct ManifestArgs {
+    /// The manifest
+    #[arg(default_value = "library.toml", value_name = "LIBRARY.toml")]
+    pub manifest: PathBuf,
+    /// Folder that keeps results [default: .flb-cache beside the manifest]
+    #[arg(long, value_name = "DIR")]
+    pub cache: Option<PathBuf>,
+    /// Read every file, though its size and time are those of the last build
+    #[arg(long)]
+    pub paranoid: bool,
+    /// Print what was found as JSON (schema: cli/schema/library.json)
+    #[arg(long)]
+    pub json: bool,
+}
+
+#[derive(Args)]
+pub(crate) struct BuildArgs {
+    #[command(flatten)]
+    pub manifest: ManifestArgs,
+    /// Species that are baked at once, at most; they share the threads [default: one for each two threads]
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=1024))]
+    pub jobs: Option<u32>,
+    /// Memory, 10^9 bytes, that species that are baked at once are expected to take together; one that needs more is
+    /// baked alone
+    #[arg(long, default_value_t = 8.0, value_name = "GB")]
+    pub memory: f64,
+    /// Build this species alone (may be repeated)
+    #[arg(long, value_name = "NAME")]
+    pub only: Vec<String>,
+    /// Go on where a species fails; the end lists what failed, with exit code 3
+    #[arg(long)]
+    pub keep_going: bool,
+    /// Say what would be done, and why, and do nothing
+    #[arg(long)]
+    pub dry_run: bool,
+}
+
+#[derive(Args)]
+pub(crate) struct WhyArgs {
+    /// Name of the species
+    #[arg(value_name = "SPECIES")]
+    pub species: String,
+    #[command(flatten)]
+    pub manifest: ManifestArgs,
+}

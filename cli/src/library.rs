@@ -1,0 +1,164 @@
+//! `flb library`: species of a manifest, baked as far as they changed.
+
+mod report;
+mod shown;
+
+use std::path::{Path, PathBuf};
+
+use flb_farm::build::{BuildSettings, OnFailure, build, no_species};
+use flb_farm::digests::{Digests, Trust};
+use flb_farm::outcome::{Outcome, Summary};
+use flb_farm::plan::State;
+use flb_farm::store::Folder;
+use flb_farm::{FarmError, Manifest, Plan};
+use flb_scene::Unobserved;
+use flb_stage::read::read_classed;
+
+use crate::args::{BuildArgs, LibraryArgs, LibraryCommand, ManifestArgs, WhyArgs};
+use crate::exit::{Failure, LOSS, USAGE, VERDICT};
+use crate::print::{self, line, say};
+use report::{Report, SpeciesReport};
+use shown::Shown;
+
+/// Folder of results beside a manifest.
+const CACHE: &str = ".flb-cache";
+
+pub(crate) fn run(args: &LibraryArgs) -> Result<u8, Failure> {
+    match &args.command {
+        LibraryCommand::Check(args) => check(args),
+        LibraryCommand::Build(args) => run_build(args),
+        LibraryCommand::Why(args) => why(args),
+    }
+}
+
+/// Opens the store of a manifest.
+fn store<'t>(args: &ManifestArgs, tell: &'t (dyn Fn(&str) + Sync)) -> (Folder<'t>, Trust) {
+    let beside = || args.manifest.parent().unwrap_or(Path::new("")).join(CACHE);
+    let folder: PathBuf = args.cache.clone().unwrap_or_else(beside);
+    let trust = if args.paranoid { Trust::Nothing } else { Trust::SizeAndTime };
+    (Folder::open(Some(&folder), tell), trust)
+}
+
+fn plan(manifest: &Manifest, (store, trust): (&Folder, Trust)) -> Plan {
+    let digests = Digests::open(store, trust);
+    let plan = Plan::of(manifest, store, &digests);
+    digests.keep(store);
+    plan
+}
+
+/// Reads every mesh and classes its materials; says every error.
+fn check(args: &ManifestArgs) -> Result<u8, Failure> {
+    let manifest = Manifest::read(&args.manifest)?;
+    let tell = |told: &str| say!("{told}");
+    let (store, trust) = store(args, &tell);
+    let checked = plan(&manifest, (&store, trust)).species.into_iter().map(|planned| {
+        let error = match (planned.state, planned.job) {
+            (State::Failed(error), _) => Some(error),
+            (_, Some(job)) => {
+                read_classed(&planned.entry.mesh, &job.reader, &Unobserved).err().map(FarmError::from)
+            }
+            (_, None) => None,
+        };
+        let one = SpeciesReport::of_check(&planned.entry.name, error.map(Failure::from));
+        one.error.iter().for_each(|error| say!("{}: {error}", one.name));
+        one
+    });
+    let report = Report::new(&manifest, checked.collect());
+    let errors = report.count("failed");
+    let total = report.species.len();
+    match args.json {
+        true => print::json(&report)?,
+        false => {
+            let file = args.manifest.display();
+            print::out(&line!("{file}: {total} species, {errors} that cannot be baked"))?;
+        }
+    }
+    Ok(if errors > 0 { VERDICT } else { 0 })
+}
+
+fn why(args: &WhyArgs) -> Result<u8, Failure> {
+    show_plan(&args.manifest, std::slice::from_ref(&args.species))
+}
+
+/// Says what has to be done for species, and why; of all where none is named.
+fn show_plan(args: &ManifestArgs, only: &[String]) -> Result<u8, Failure> {
+    let manifest = Manifest::read(&args.manifest)?;
+    if let Some(unknown) = only.iter().find(|name| manifest.find(name).is_none()) {
+        return Err(no_species(&manifest, unknown).into());
+    }
+    let is_asked = |entry: &&flb_farm::manifest::Entry| only.is_empty() || only.contains(&entry.name);
+    let asked = manifest.species.iter().filter(is_asked).cloned().collect();
+    let some = Manifest { species: asked, ..manifest.clone() };
+    let tell = |told: &str| say!("{told}");
+    let (store, trust) = store(args, &tell);
+    let planned = plan(&some, (&store, trust)).species;
+    let report = Report::new(&manifest, planned.into_iter().map(SpeciesReport::of_planned).collect());
+    match args.json {
+        true => print::json(&report)?,
+        false => report.species.iter().try_for_each(|one| print::out(&line!("{}", one.line())))?,
+    }
+    Ok(if report.count("failed") > 0 { VERDICT } else { 0 })
+}
+
+fn run_build(args: &BuildArgs) -> Result<u8, Failure> {
+    if args.dry_run {
+        return show_plan(&args.manifest, &args.only);
+    }
+    let manifest = Manifest::read(&args.manifest.manifest)?;
+    let tell = |told: &str| say!("{told}");
+    let (store, trust) = store(&args.manifest, &tell);
+    let settings = settings(args)?;
+    let shown = Shown::default();
+    let summary = build(&manifest, &settings, (&store, trust), &shown)?;
+    end(args, &manifest, summary)
+}
+
+fn settings(args: &BuildArgs) -> Result<BuildSettings, Failure> {
+    if !(args.memory.is_finite() && args.memory > 0.0) {
+        return Err(Failure::new(USAGE, format!("--memory is {}, expected a number above 0", args.memory)));
+    }
+    let threads = rayon::current_num_threads();
+    Ok(BuildSettings {
+        jobs: args.jobs.map_or(threads.div_ceil(2), |jobs| jobs as usize),
+        threads,
+        memory_bytes: (args.memory * 1e9) as u64,
+        only: args.only.clone(),
+        on_failure: if args.keep_going { OnFailure::KeepGoing } else { OnFailure::Stop },
+    })
+}
+
+/// What is said at the end, and the exit code.
+fn end(args: &BuildArgs, manifest: &Manifest, summary: Summary) -> Result<u8, Failure> {
+    let report = Report::of_build(manifest, &summary);
+    let output = manifest.output.display();
+    for name in &summary.left_over {
+        say!("{output}: {name}.flb is of no species of the manifest; it is left there");
+    }
+    for built in &summary.species {
+        built.over.iter().for_each(|over| say!("warning: {}: {over}", built.name));
+    }
+    let [made, stored, current, failed, skipped] =
+        ["made", "stored", "current", "failed", "skipped"].map(|state| report.count(state));
+    match args.manifest.json {
+        true => print::json(&report)?,
+        false => print::out(&line!(
+            "{output}: {made} baked, {stored} from the cache, {current} as they were, {failed} failed, {skipped} not begun"
+        ))?,
+    }
+    if failed == 0 {
+        return Ok(if summary.is_whole() { 0 } else { LOSS });
+    }
+    for (built, _) in summary.failed() {
+        say!("again: flb library build {} --only {}", args.manifest.manifest.display(), built.name);
+    }
+    if args.keep_going {
+        return Ok(LOSS);
+    }
+    let first = summary.species.into_iter().find_map(|built| match built.outcome {
+        Outcome::Failed(error) => Some((built.name, error)),
+        _ => None,
+    });
+    let (name, error) = first.expect("one has failed");
+    let failure = Failure::from(error);
+    Err(Failure { message: format!("{name}: {}", failure.message), ..failure })
+}

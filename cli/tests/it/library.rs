@@ -1,0 +1,112 @@
+//! Libraries of species: what is baked, what is said of it, and the exit codes.
+
+use serde_json::json;
+
+use crate::flb::Folder;
+use crate::schema::{misfits, schema};
+
+const MANIFEST: &str = "
+[bake]
+quality = 'draft'
+lattice = 16
+voxels = 64
+
+[[species]]
+mesh = 'shrub.glb'
+
+[[species.variant]]
+name = 'dense'
+bake = { leaf_angles = 'spherical' }
+";
+
+fn farm() -> Folder {
+    let folder = Folder::with_plants(&["shrub"]);
+    folder.write("library.toml", MANIFEST);
+    folder
+}
+
+fn edit(folder: &Folder, from: &str, to: &str) {
+    let text = String::from_utf8(folder.read("library.toml")).expect("text");
+    assert!(text.contains(from), "{text}");
+    folder.write("library.toml", text.replace(from, to));
+}
+
+#[test]
+fn a_library_is_checked_built_asked_and_built_again() {
+    let folder = farm();
+    let run = folder.flb(&["library", "check"]).expect_code(0);
+    assert_eq!(run.stdout, "library.toml: 2 species, 0 that cannot be baked\n");
+    let run = folder.flb(&["library", "build", "--dry-run"]);
+    let expected = "shrub: to bake: it was never built here\nshrub-dense: to bake: it was never built here\n";
+    assert_eq!(run.expect_code(0).stdout, expected);
+    folder.flb(&["library", "build"]).expect_code(0).says(&["[1/2] ", "[2/2] "]);
+    for name in ["species/shrub.flb", "library.flb", "index.html"] {
+        assert!(folder.path("library").join(name).is_file(), "{name}");
+    }
+    let flags = ["--quality", "draft", "--lattice", "16", "--voxels", "64", "-o", "own.flb"];
+    folder.flb_with(&["bake", "shrub.glb"], &flags).expect_code(0);
+    assert!(folder.read("library/species/shrub.flb") == folder.read("own.flb"), "as `flb bake` writes it");
+    let run = folder.flb(&["library", "build"]).expect_code(0);
+    assert!(run.stdout.contains("0 baked, 0 from the cache, 2 as they were"), "{}", run.stdout);
+
+    for words in [&["check"][..], &["build", "--dry-run"], &["build"], &["why", "shrub"]] {
+        let run = folder.flb(&[&["library"], words, &["--json"]].concat()).expect_code(0).json();
+        assert_eq!(misfits(&schema("library"), &run), [""; 0], "{words:?}: {run}");
+        let state = if words == ["check"] { "sound" } else { "current" };
+        assert_eq!(
+            (&run["species"][0]["name"], &run["species"][0]["state"]),
+            (&json!("shrub"), &json!(state))
+        );
+    }
+
+    // What was written is no input: it is written again.
+    edit(&folder, "spherical", "planophile");
+    let run = folder.flb(&["library", "why", "shrub-dense"]);
+    let why =
+        "bake.leaf_angles spherical -> planophile: crown, solve, encode, write; import, voxelise reused";
+    assert_eq!(run.expect_code(0).stdout, format!("shrub-dense: to bake: {why}\n"));
+    let run = folder.flb(&["library", "why", "shrub-dense", "--json"]).expect_code(0).json();
+    assert_eq!(misfits(&schema("library"), &run), [""; 0], "{run}");
+    let change = json!([{ "part": "bake.leaf_angles", "was": "spherical", "is": "planophile" }]);
+    assert_eq!((&run["species"][0]["state"], &run["species"][0]["changes"]), (&json!("due"), &change));
+    let run = folder.flb(&["library", "build"]).expect_code(0);
+    assert!(run.stdout.contains("1 baked, 0 from the cache, 1 as they were"), "{}", run.stdout);
+}
+
+#[test]
+fn what_cannot_be_built_is_told_with_its_place_and_a_code() {
+    let folder = farm();
+    folder
+        .flb(&["library", "why", "shrubb"])
+        .expect_code(2)
+        .says(&["no species is named \"shrubb\", did you mean \"shrub\"?"]);
+    folder
+        .flb(&["library", "build", "--memory", "0"])
+        .expect_code(2)
+        .says(&["--memory is 0, expected a number above 0"]);
+    edit(&folder, "lattice = 16", "latice = 16");
+    folder
+        .flb(&["library", "build"])
+        .expect_code(1)
+        .says(&["line 4", "unknown field `latice`, did you mean `lattice`?"]);
+    edit(&folder, "latice = 16", "lattice = 17");
+    let run = folder.flb(&["library", "check"]);
+    run.expect_code(1)
+        .says(&["shrub: library.toml: line 7: lattice is 17, expected a power of two, 16 to 256"]);
+    edit(&folder, "lattice = 17", "lattice = 16");
+    let broken = "\n[[species]]\nname = 'broken'\nmesh = 'broken.obj'\n[[species.variant]]\nname = 'x'\nbake = { lattice = 32 }\n";
+    edit(&folder, "[[species]]\nmesh", &format!("{broken}[[species]]\nmesh"));
+    folder.write("broken.obj", "v 0 0 0\n");
+    let run = folder.flb(&["library", "build", "--keep-going"]);
+    let run = run.expect_code(3).says(&[
+        "broken: failed: ",
+        "no triangle is left",
+        "flb library build library.toml --only broken",
+    ]);
+    assert!(run.stdout.contains("2 baked") && run.stdout.contains("2 failed"), "{}", run.stdout);
+    assert!(!folder.path("library").join("library.flb").exists());
+    folder.flb(&["library", "build"]).expect_code(1).says(&["broken"]);
+    edit(&folder, "mesh = 'shrub.glb'", "mesh = 'shrub.glb'\nbudget = { bytes = 10 }");
+    let run = folder.flb(&["library", "build", "--only", "shrub"]);
+    run.expect_code(3).says(&["warning: shrub: bytes is ", "over its budget of 10"]);
+}
