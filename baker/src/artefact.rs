@@ -154,7 +154,7 @@ fn seal(key: &str, payload: &[u8]) -> blake3::Hash {
 /// # Errors
 /// Whatever differs from what [`to_bytes`] writes, in the order of the module's description.
 pub fn from_bytes<A: Artefact>(bytes: &[u8], key: &str) -> Result<A, ArtefactError> {
-    let payload = checked_payload(bytes, A::KIND, key)?;
+    let payload = checked_payload(bytes, Some(A::KIND), key)?;
     let layout = |error: RkyvError| ArtefactError::Layout(error.to_string());
     let is_aligned = payload.as_ptr().addr() % 16 == 0;
     let stored = if is_aligned {
@@ -167,7 +167,16 @@ pub fn from_bytes<A: Artefact>(bytes: &[u8], key: &str) -> Result<A, ArtefactErr
     A::restore(stored)
 }
 
-fn checked_payload<'b>(bytes: &'b [u8], kind: u32, key: &str) -> Result<&'b [u8], ArtefactError> {
+/// Checks bytes that were kept under a key, of an artefact of any kind: that they are those that were written.
+///
+/// # Errors
+/// All errors of [`from_bytes`] but those of kind, layout and value.
+pub fn check(bytes: &[u8], key: &str) -> Result<(), ArtefactError> {
+    checked_payload(bytes, None, key).map(drop)
+}
+
+/// `kind`: the expected one, where one is.
+fn checked_payload<'b>(bytes: &'b [u8], kind: Option<u32>, key: &str) -> Result<&'b [u8], ArtefactError> {
     if bytes.len() < HEADER {
         return Err(ArtefactError::Short { found: bytes.len() });
     }
@@ -180,8 +189,8 @@ fn checked_payload<'b>(bytes: &'b [u8], kind: u32, key: &str) -> Result<&'b [u8]
     if u32_at(8) != SCHEMA {
         return Err(ArtefactError::Schema { found: u32_at(8) });
     }
-    if u32_at(12) != kind {
-        return Err(ArtefactError::Kind { found: u32_at(12), expected: kind });
+    if let Some(expected) = kind.filter(|kind| u32_at(12) != *kind) {
+        return Err(ArtefactError::Kind { found: u32_at(12), expected });
     }
     let expected = blake3::Hash::from_bytes(header[16..].try_into().expect("32 bytes"));
     let found = seal(key, payload);

@@ -3,6 +3,7 @@
 mod bake;
 mod bake_scene;
 mod bands;
+mod cache;
 mod coding;
 mod gpu_count;
 mod highlight;
@@ -38,10 +39,11 @@ use flb_scene::import::Up;
 pub(crate) use bake::{BackendArg, BakeArgs, SolverArg};
 pub(crate) use bake_scene::BakeSceneArgs;
 pub(crate) use bands::BandArgs;
+pub(crate) use cache::{CacheArgs, CacheCommand, CacheFolder, GcArgs, VerifyArgs};
 pub(crate) use coding::CodingArgs;
 pub(crate) use highlight::HighlightArgs;
 pub(crate) use judge::JudgeArgs;
-pub(crate) use library::{BuildArgs, LibraryArgs, LibraryCommand, ManifestArgs, WhyArgs};
+pub(crate) use library::{BuildArgs, InitArgs, LibraryArgs, LibraryCommand, ManifestArgs, WhyArgs};
 pub(crate) use model::{ModelArg, ModelArgs};
 pub(crate) use plan::PlanArgs;
 pub(crate) use render::{RenderArgs, RenderBackendArg};
@@ -131,6 +133,8 @@ pub(crate) enum Command {
     Trade(TradeArgs),
     /// Bake a library of species from a manifest: what changed and no more
     Library(LibraryArgs),
+    /// Look after a folder that `--cache` names: list, count, check and remove what it keeps
+    Cache(CacheArgs),
     /// Say what this machine offers; `--extremes` tries the solvers at the ends of their range
     Doctor(DoctorArgs),
 }

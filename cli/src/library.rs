@@ -7,24 +7,30 @@ use std::path::{Path, PathBuf};
 
 use flb_farm::build::{BuildSettings, OnFailure, build, no_species};
 use flb_farm::digests::{Digests, Trust};
+use flb_farm::init::{self, survey};
 use flb_farm::outcome::{Outcome, Summary};
+use flb_farm::output::Output;
 use flb_farm::plan::State;
 use flb_farm::store::Folder;
 use flb_farm::{FarmError, Manifest, Plan};
+use flb_files::publish;
 use flb_scene::Unobserved;
-use flb_stage::read::read_classed;
 
-use crate::args::{BuildArgs, LibraryArgs, LibraryCommand, ManifestArgs, WhyArgs};
+use crate::args::{BuildArgs, InitArgs, LibraryArgs, LibraryCommand, ManifestArgs, WhyArgs};
 use crate::exit::{Failure, LOSS, USAGE, VERDICT};
+use crate::inputs::check_output;
 use crate::print::{self, line, say};
 use report::{Report, SpeciesReport};
 use shown::Shown;
 
+/// Name of a manifest.
+const MANIFEST: &str = "library.toml";
 /// Folder of results beside a manifest.
 const CACHE: &str = ".flb-cache";
 
 pub(crate) fn run(args: &LibraryArgs) -> Result<u8, Failure> {
     match &args.command {
+        LibraryCommand::Init(args) => init(args),
         LibraryCommand::Check(args) => check(args),
         LibraryCommand::Build(args) => run_build(args),
         LibraryCommand::Why(args) => why(args),
@@ -46,21 +52,43 @@ fn plan(manifest: &Manifest, (store, trust): (&Folder, Trust)) -> Plan {
     plan
 }
 
-/// Reads every mesh and classes its materials; says every error.
+/// Writes a manifest of the meshes in a folder.
+fn init(args: &InitArgs) -> Result<u8, Failure> {
+    let output = args.output.clone().unwrap_or_else(|| args.folder.join(MANIFEST));
+    check_output(&output, &[], args.existing)?;
+    let all = survey(&args.folder).map_err(FarmError::from)?;
+    let folder = output.parent().filter(|folder| *folder != Path::new("")).unwrap_or(Path::new("."));
+    let text = init::text(&all, folder);
+    publish(&output, args.existing, |file| file.write_all(text.as_bytes()))?;
+    let species: Vec<SpeciesReport> = all.into_iter().map(SpeciesReport::of_survey).collect();
+    species.iter().for_each(SpeciesReport::say_faults);
+    let report = Report::of(&output, &folder.join("library"), species);
+    let (undecided, failed) = (report.count("undecided"), report.count("failed"));
+    let total = report.species.len() - failed;
+    match args.json {
+        true => print::json(&report)?,
+        false => print::out(&line!(
+            "{}: {total} species, {undecided} with undecided materials; {failed} meshes that cannot be read",
+            output.display()
+        ))?,
+    }
+    Ok(if undecided + failed > 0 { LOSS } else { 0 })
+}
+
+/// Reads every mesh and classes its materials; says every error and every doubt.
 fn check(args: &ManifestArgs) -> Result<u8, Failure> {
     let manifest = Manifest::read(&args.manifest)?;
+    Output::of(&manifest).check()?;
     let tell = |told: &str| say!("{told}");
     let (store, trust) = store(args, &tell);
     let checked = plan(&manifest, (&store, trust)).species.into_iter().map(|planned| {
-        let error = match (planned.state, planned.job) {
-            (State::Failed(error), _) => Some(error),
-            (_, Some(job)) => {
-                read_classed(&planned.entry.mesh, &job.reader, &Unobserved).err().map(FarmError::from)
-            }
-            (_, None) => None,
+        let read = match (planned.state, planned.job) {
+            (State::Failed(error), _) => Err(error),
+            (_, Some(job)) => job.read(&Unobserved).map(|read| read.warnings),
+            (_, None) => Ok(Vec::new()),
         };
-        let one = SpeciesReport::of_check(&planned.entry.name, error.map(Failure::from));
-        one.error.iter().for_each(|error| say!("{}: {error}", one.name));
+        let one = SpeciesReport::of_check(&planned.entry.name, read.map_err(Failure::from));
+        one.say_faults();
         one
     });
     let report = Report::new(&manifest, checked.collect());

@@ -6,6 +6,7 @@
 mod args;
 mod bake;
 mod bake_scene;
+mod cache;
 mod classes;
 mod clean;
 mod colors;
@@ -145,6 +146,7 @@ fn run(command: Command) -> Result<u8, Failure> {
         Command::Doctor(args) => doctor::run(&args),
         Command::Trade(args) => trade::run(&args),
         Command::Library(args) => library::run(&args),
+        Command::Cache(args) => cache::run(&args),
     }
 }
 

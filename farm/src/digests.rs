@@ -15,7 +15,7 @@ use serde::{Deserialize, Serialize};
 use crate::store::Folder;
 
 /// Name in the store.
-const NAME: &str = "digests.json";
+pub(crate) const NAME: &str = "digests.json";
 /// A file that was written so short a time before it is looked at may be written again in the same tick of its clock.
 const TICK: Duration = Duration::from_secs(2);
 const BUFFER_BYTES: usize = 1 << 18;

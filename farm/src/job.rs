@@ -3,8 +3,10 @@
 
 use flb_baker::bake::BakeSettings;
 use flb_packer::EncodeSettings;
+use flb_scene::extents::doubts;
 use flb_scene::import::{TEXT_BYTES, read_text};
-use flb_scene::{ClassRules, ImportError, ImportSettings, PlantReader, SpeciesFile};
+use flb_scene::{ClassRules, ClassedMesh, ImportError, ImportSettings, Observer, PlantReader, SpeciesFile};
+use flb_stage::read::read_classed;
 
 use crate::FarmError;
 use crate::digests::Digests;
@@ -68,7 +70,28 @@ impl Job {
     }
 }
 
+/// A mesh that was read, and what is odd about it.
+#[derive(Debug, Clone)]
+pub struct Read {
+    /// The mesh with its classes.
+    pub mesh: ClassedMesh,
+    /// Doubts about the plant, and what import repaired or ignored.
+    pub warnings: Vec<String>,
+}
+
 impl Job {
+    /// Reads the mesh and classes its materials, as the bake does.
+    ///
+    /// # Errors
+    /// [`FarmError::Stage`].
+    pub fn read(&self, observer: &dyn Observer) -> Result<Read, FarmError> {
+        let mesh = read_classed(&self.entry.mesh, &self.reader, observer)?;
+        let doubted = doubts(&mesh, &self.reader.settings);
+        let doubted = doubted.iter().map(|doubt| doubt.to_string());
+        let warnings = doubted.chain(mesh.mesh.warnings.iter().cloned()).collect();
+        Ok(Read { mesh, warnings })
+    }
+
     /// Number of the bands of its light.
     pub fn bands(&self) -> usize {
         self.bake.bands(&self.reader)

@@ -44,9 +44,11 @@
 #![deny(clippy::print_stdout, clippy::print_stderr)] // cli/src/print.rs alone prints
 
 pub mod build;
+pub mod cache;
 pub mod digests;
 mod error;
 pub mod index;
+pub mod init;
 pub mod job;
 pub mod make;
 pub mod manifest;

@@ -6,9 +6,7 @@ use std::time::Instant;
 use flb_baker::bake::{BakeObserver, Baked, Event, Store, bake};
 use flb_inspector::validate::{Level, validate};
 use flb_packer::{encode_species, write_library_to};
-use flb_scene::extents::doubts;
 use flb_scene::{Observer, Step};
-use flb_stage::read::read_classed;
 
 use crate::FarmError;
 use crate::job::Job;
@@ -51,11 +49,9 @@ pub fn make(job: &Job, store: &dyn Store, listener: &dyn Listener) -> Result<Mad
     let heard = Heard { listener, state: Mutex::default() };
     let Job { entry, reader, bake: settings, coding, .. } = job;
     let stopped = |error: FarmError| if listener.is_stopped() { FarmError::Stopped } else { error };
-    let classed = Step::Import.run(&heard, &entry.name, |_| read_classed(&entry.mesh, reader, &heard))?;
+    let read = Step::Import.run(&heard, &entry.name, |_| job.read(&heard))?;
+    let (classed, mut warnings) = (read.mesh, read.warnings);
     check_sources(job, &classed.mesh.sources)?;
-    let found = doubts(&classed, &reader.settings);
-    let warnings = found.iter().map(|doubt| doubt.to_string()).chain(classed.mesh.warnings.iter().cloned());
-    let mut warnings: Vec<String> = warnings.collect();
     let mesh = classed.clone();
     let plant = reader.plant(entry.name.clone(), classed);
     let at_mesh = |source| stopped(FarmError::Bake { mesh: entry.mesh.clone(), source: Box::new(source) });

@@ -22,7 +22,7 @@
 //! plant = { leaf_model = { chlorophyll_ug_cm2 = 8.0, anthocyanins_ug_cm2 = 3.0 } }
 //! ```
 
-mod glob;
+pub(crate) mod glob;
 pub(crate) mod nearest;
 mod raw;
 mod source;
@@ -47,6 +47,10 @@ pub const MAX_MANIFEST_BYTES: u64 = 64 << 20;
 pub const MAX_SPECIES: usize = 1 << 20;
 /// Manifests that include each other, one in the other.
 const MAX_DEPTH: usize = 16;
+/// Bytes of a species' name.
+pub(crate) const MAX_NAME_BYTES: usize = 200;
+/// Characters that file names cannot have everywhere.
+pub(crate) const NOT_IN_NAMES: &str = "/\\:*?\"<>|";
 /// Folder of results, unless the manifest names one.
 const OUTPUT: &str = "library";
 
@@ -262,8 +266,8 @@ impl Reader {
 
     fn push(&mut self, source: &Source, at: usize, entry: Entry) -> Checked<()> {
         let name = &entry.name;
-        let is_fit = !name.trim().is_empty() && !name.starts_with('.') && name.len() <= 200;
-        if !is_fit || name.chars().any(|c| is_hidden(c) || "/\\:*?\"<>|".contains(c)) {
+        let is_fit = !name.trim().is_empty() && !name.starts_with('.') && name.len() <= MAX_NAME_BYTES;
+        if !is_fit || name.chars().any(|c| is_hidden(c) || NOT_IN_NAMES.contains(c)) {
             let expected = "a printable name that a file can have: no / \\ : * ? \" < > |, no dot in front, 200 bytes at most";
             return Err(source.malformed(at, "species.name", &format!("{name:?}"), expected));
         }

@@ -5,13 +5,16 @@ use std::fs;
 use std::io::Read;
 use std::path::{Path, PathBuf};
 
-use flb_files::{FileError, open_own, publish_own};
+use flb_files::{Existing, FileError, check_output, open_own, publish_own};
 
 use crate::manifest::Manifest;
 use crate::record::Record;
 
 /// Folders in the output.
 const FOLDERS: [&str; 4] = ["species", "records", "pictures", "logs"];
+
+/// Name of a file that is never left behind.
+const PROBE: &str = ".flb-probe";
 
 /// Folder of what is built.
 #[derive(Debug, Clone)]
@@ -30,6 +33,16 @@ impl Output {
         &self.folder
     }
 
+    /// Finds out whether the folders could be made and written to. Nothing is made.
+    ///
+    /// # Errors
+    /// [`FileError`].
+    pub fn check(&self) -> Result<(), FileError> {
+        let is_there = |path: &&Path| path.symlink_metadata().is_ok();
+        let there = self.folder.ancestors().find(is_there).unwrap_or(Path::new(""));
+        check_output(&there.join(PROBE), &[], Existing::Replace)
+    }
+
     /// Makes the folders, and finds out whether each can be written to.
     ///
     /// # Errors
@@ -39,7 +52,7 @@ impl Output {
             let path = self.folder.join(folder);
             let refuse = |source| FileError::Write { path: path.clone(), source };
             fs::create_dir_all(&path).map_err(refuse)?;
-            let probe = path.join(".flb-probe");
+            let probe = path.join(PROBE);
             fs::write(&probe, b"").and_then(|()| fs::remove_file(&probe)).map_err(refuse)?;
         }
         Ok(())

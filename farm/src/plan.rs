@@ -89,16 +89,15 @@ impl Plan {
 pub(crate) fn stored_record(store: &Folder, key: &str) -> Option<Record> {
     let entry = format!("species-{key}.json");
     let bytes = store.read(&entry)?;
-    match serde_json::from_slice::<Record>(&bytes) {
-        Ok(record) if record.facts.key == key && record.parts.key() == key => Some(record),
-        Ok(_) => {
-            store.damaged(&entry, "is of other parts than its name says");
-            None
-        }
-        Err(error) => {
-            store.damaged(&entry, &error.to_string());
-            None
-        }
+    sound_record(&bytes, key).inspect_err(|fault| store.damaged(&entry, fault)).ok()
+}
+
+/// The record of a key, in bytes that may be anything.
+pub(crate) fn sound_record(bytes: &[u8], key: &str) -> Result<Record, String> {
+    let record: Record = serde_json::from_slice(bytes).map_err(|error| error.to_string())?;
+    match record.facts.key == key && record.parts.key() == key {
+        true => Ok(record),
+        false => Err("is of other parts than its name says".to_owned()),
     }
 }
 

@@ -8,6 +8,7 @@ use std::fs;
 use std::io::Read;
 use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicBool, Ordering};
+use std::time::{Duration, SystemTime};
 
 use flb_baker::bake::Store;
 use flb_files::{open_own, publish_own};
@@ -56,7 +57,9 @@ impl<'t> Folder<'t> {
         // A link is not ours: what it leads to may be an input or an output of this very command.
         let is_ours = |path: &PathBuf| fs::symlink_metadata(path).is_ok_and(|found| found.is_file());
         let path = self.path(entry).filter(is_ours)?;
-        read_whole(&path).inspect_err(|reason| self.damaged(entry, reason)).ok()
+        let bytes = read_whole(&path).inspect_err(|reason| self.damaged(entry, reason)).ok()?;
+        note_use(&path);
+        Some(bytes)
     }
 
     /// Whether there is an entry.
@@ -92,8 +95,22 @@ impl<'t> Folder<'t> {
     }
 }
 
+/// Time for which an entry that was used counts as used just now.
+const USE: Duration = Duration::from_hours(24);
+
+/// Notes the use of an entry as its time of change, once a day, for those who remove what is not used. Where that fails
+/// the entry only looks older.
+fn note_use(path: &Path) {
+    let Ok((file, metadata)) = open_own(path) else { return };
+    let now = SystemTime::now();
+    let age = metadata.modified().ok().and_then(|used| now.duration_since(used).ok());
+    if age.is_some_and(|age| age >= USE) {
+        let _ = file.set_modified(now); // as said above
+    }
+}
+
 /// Copies an entry, so that what is checked is what is used, whatever happens to the file.
-fn read_whole(path: &Path) -> Result<Vec<u8>, String> {
+pub(crate) fn read_whole(path: &Path) -> Result<Vec<u8>, String> {
     let (mut file, metadata) = open_own(path).map_err(|error| error.to_string())?;
     let length = usize::try_from(metadata.len()).map_err(|error| error.to_string())?;
     let mut bytes = Vec::new();

@@ -2,7 +2,10 @@
 
 use std::path::PathBuf;
 
-use clap::{Args, Subcommand};
+use clap::{ArgAction, Args, Subcommand};
+use flb_files::Existing;
+
+use super::values::existing;
 
 #[derive(Args)]
 #[command(after_help = "Schema of what --json prints: cli/schema/library.json")]
@@ -13,6 +16,9 @@ pub(crate) struct LibraryArgs {
 
 #[derive(Subcommand)]
 pub(crate) enum LibraryCommand {
+    /// Write a manifest of the meshes in a folder, and say which materials are undecided; exit 3 where a mesh is or
+    /// cannot be read
+    Init(InitArgs),
     /// Look for all that is wrong with a manifest, its species files and its meshes, before any work; exit 1 where
     /// something is
     Check(ManifestArgs),
@@ -20,6 +26,22 @@ pub(crate) enum LibraryCommand {
     Build(BuildArgs),
     /// Say why a species would be baked: which input or setting is another one than before
     Why(WhyArgs),
+}
+
+#[derive(Args)]
+pub(crate) struct InitArgs {
+    /// Folder of meshes; those in folders below are found, too
+    #[arg(default_value = ".", value_name = "DIR")]
+    pub folder: PathBuf,
+    /// The manifest [default: library.toml in that folder]
+    #[arg(short, long, value_name = "LIBRARY.toml")]
+    pub output: Option<PathBuf>,
+    /// Overwrite it if it exists
+    #[arg(long = "force", action = ArgAction::SetTrue, value_parser = existing())]
+    pub existing: Existing,
+    /// Print what was found as JSON (schema: cli/schema/library.json)
+    #[arg(long)]
+    pub json: bool,
 }
 
 #[derive(Args)]

@@ -1,5 +1,7 @@
 //! Values of flags that several commands share.
 
+use std::time::Duration;
+
 use clap::builder::{BoolValueParser, TypedValueParser};
 use flb_files::Existing;
 
@@ -61,9 +63,42 @@ pub(crate) fn above_0(text: &str) -> Result<f64, String> {
     quantity(text).and_then(|v| if v >= 1e-6 { Ok(v) } else { Err("expected more than 0".to_owned()) })
 }
 
+/// A number with a unit behind it.
+fn with_unit(text: &str, units: &[(&str, u64)], expected: &str) -> Result<u64, String> {
+    let end = text.find(|c: char| !c.is_ascii_digit()).unwrap_or(text.len());
+    let (number, unit) = text.split_at(end);
+    let size = units.iter().find(|(name, _)| *name == unit).map(|(_, size)| *size);
+    let value = number.parse().ok().and_then(|number: u64| number.checked_mul(size?));
+    value.ok_or_else(|| format!("found {text:?}, expected {expected}"))
+}
+
+/// "50G" in bytes.
+pub(super) fn byte_count(text: &str) -> Result<u64, String> {
+    let units = [("", 1), ("k", 1000), ("M", 1_000_000), ("G", 1_000_000_000), ("T", 1_000_000_000_000)];
+    with_unit(text, &units, "a whole number of bytes, such as 500M or 50G")
+}
+
+/// "30d".
+pub(super) fn duration(text: &str) -> Result<Duration, String> {
+    let hours = with_unit(text, &[("h", 1), ("d", 24), ("w", 168)], "a time, such as 12h, 30d or 4w")?;
+    hours.checked_mul(3600).map(Duration::from_secs).ok_or_else(|| format!("found {text:?}, expected less"))
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn sizes_and_times_have_units() {
+        assert_eq!(["7", "50G", "3k"].map(byte_count), [Ok(7), Ok(50_000_000_000), Ok(3000)]);
+        assert_eq!(duration("30d"), Ok(Duration::from_secs(30 * 86_400)));
+        for bad in ["", "G", "-1G", "1.5G", "50 G", "99999999999T"] {
+            assert!(byte_count(bad).unwrap_err().contains("such as 500M"), "{bad}");
+        }
+        for bad in ["30", "d", "1y", "99999999999999999w"] {
+            assert!(duration(bad).unwrap_err().contains("expected"), "{bad}");
+        }
+    }
 
     #[test]
     fn sun_angles_outside_the_sky_are_refused() {

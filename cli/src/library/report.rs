@@ -1,6 +1,9 @@
 //! What `flb library --json` prints (cli/schema/library.json).
 
+use std::path::Path;
+
 use flb_farm::Manifest;
+use flb_farm::init::Surveyed;
 use flb_farm::outcome::{Built, Outcome, Summary};
 use flb_farm::parts::redone;
 use flb_farm::plan::{Planned, State, Why};
@@ -10,6 +13,7 @@ use serde::Serialize;
 use serde_json::Value;
 
 use crate::exit::Failure;
+use crate::print::say;
 
 #[derive(Serialize)]
 pub(super) struct Report {
@@ -43,6 +47,8 @@ pub(super) struct SpeciesReport {
     #[serde(skip_serializing_if = "Option::is_none")]
     seconds: Option<f64>,
     #[serde(skip_serializing_if = "Vec::is_empty")]
+    undecided: Vec<String>,
+    #[serde(skip_serializing_if = "Vec::is_empty")]
     warnings: Vec<String>,
     #[serde(skip_serializing_if = "Vec::is_empty")]
     over_budget: Vec<String>,
@@ -57,7 +63,11 @@ struct ChangeReport {
 
 impl Report {
     pub(super) fn new(manifest: &Manifest, species: Vec<SpeciesReport>) -> Report {
-        let [manifest, output] = [&manifest.path, &manifest.output].map(|path| path.display().to_string());
+        Report::of(&manifest.path, &manifest.output, species)
+    }
+
+    pub(super) fn of(manifest: &Path, output: &Path, species: Vec<SpeciesReport>) -> Report {
+        let [manifest, output] = [manifest, output].map(|path| path.display().to_string());
         Report { manifest, output, species, library_bytes: None, left_over: None }
     }
 
@@ -89,15 +99,40 @@ impl SpeciesReport {
             memory_bytes: None,
             bytes: None,
             seconds: None,
+            undecided: Vec::new(),
             warnings: Vec::new(),
             over_budget: Vec::new(),
         }
     }
 
     /// A species that was looked at before any work.
-    pub(super) fn of_check(name: &str, error: Option<Failure>) -> SpeciesReport {
-        let state = if error.is_some() { "failed" } else { "sound" };
-        SpeciesReport { error: error.map(|error| error.message), ..SpeciesReport::new(name, state) }
+    pub(super) fn of_check(name: &str, read: Result<Vec<String>, Failure>) -> SpeciesReport {
+        match read {
+            Ok(warnings) => SpeciesReport { warnings, ..SpeciesReport::new(name, "sound") },
+            Err(error) => SpeciesReport { error: Some(error.message), ..SpeciesReport::new(name, "failed") },
+        }
+    }
+
+    /// A mesh that a manifest is made of.
+    pub(super) fn of_survey(one: Surveyed) -> SpeciesReport {
+        let open = match one.undecided {
+            Ok(open) => open,
+            Err(error) => return SpeciesReport::of_check(&one.name, Err(error.into())),
+        };
+        let state = if open.is_empty() { "sound" } else { "undecided" };
+        let undecided = open.into_iter().map(|material| material.name).collect();
+        SpeciesReport { undecided, warnings: one.doubts, ..SpeciesReport::new(&one.name, state) }
+    }
+
+    /// Says on stderr what is wrong, undecided or doubted.
+    pub(super) fn say_faults(&self) {
+        let name = &self.name;
+        self.error.iter().for_each(|error| say!("{name}: {error}"));
+        if !self.undecided.is_empty() {
+            let list: Vec<String> = self.undecided.iter().map(|material| format!("{material:?}")).collect();
+            say!("{name}: leaf or wood? {}", list.join(", "));
+        }
+        self.warnings.iter().for_each(|warning| say!("warning: {name}: {warning}"));
     }
 
     /// A species of a plan.
@@ -105,7 +140,7 @@ impl SpeciesReport {
         let Planned { entry, state, memory_bytes, .. } = planned;
         let new = |state| SpeciesReport::new(&entry.name, state);
         match state {
-            State::Failed(error) => SpeciesReport::of_check(&entry.name, Some(error.into())),
+            State::Failed(error) => SpeciesReport::of_check(&entry.name, Err(error.into())),
             State::Current(record) => new("current").with_record(&record),
             State::Stored(record) => new("stored").with_record(&record),
             State::Due(why) => {

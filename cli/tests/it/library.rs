@@ -2,7 +2,7 @@
 
 use serde_json::json;
 
-use crate::flb::Folder;
+use crate::flb::{Folder, names_in};
 use crate::schema::{misfits, schema};
 
 const MANIFEST: &str = "
@@ -109,4 +109,79 @@ fn what_cannot_be_built_is_told_with_its_place_and_a_code() {
     edit(&folder, "mesh = 'shrub.glb'", "mesh = 'shrub.glb'\nbudget = { bytes = 10 }");
     let run = folder.flb(&["library", "build", "--only", "shrub"]);
     run.expect_code(3).says(&["warning: shrub: bytes is ", "over its budget of 10"]);
+}
+
+#[test]
+fn a_folder_of_meshes_becomes_a_library() {
+    let folder = Folder::with_plants(&["shrub"]);
+    folder.write("odd.obj", "usemtl stuff\nv 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n");
+    folder.write("broken.glb", "no glTF");
+    let run = folder.flb(&["library", "init"]).expect_code(3);
+    run.says(&["odd: leaf or wood? \"stuff\"", "broken: "]);
+    let text = String::from_utf8(folder.read("library.toml")).expect("text");
+    for line in
+        ["mesh = \"shrub.glb\"", "# plant = { leaf = [\"stuff\"], wood = [] }", "# mesh = \"broken.glb\""]
+    {
+        assert!(text.contains(line), "{line}: {text}");
+    }
+    folder.flb(&["library", "init"]).expect_code(4).says(&["library.toml: exists already"]);
+    let run = folder.flb(&["library", "init", "-o", "other.toml", "--json"]).expect_code(3).json();
+    assert_eq!(misfits(&schema("library"), &run), [""; 0], "{run}");
+    assert_eq!(run["species"][1]["undecided"], json!(["stuff"]));
+    folder.flb(&["library", "check"]).expect_code(1).says(&["odd: ", "stuff"]);
+    edit(&folder, "# plant", "plant");
+    folder.flb(&["library", "check"]).expect_code(0).says(&["warning: odd: "]);
+}
+
+#[test]
+fn a_cache_is_listed_checked_and_cut() {
+    let folder = farm();
+    folder.flb(&["library", "build"]).expect_code(0);
+    folder.write(".flb-cache/notes.txt", "mine");
+    for word in ["list", "stats", "verify"] {
+        let run = folder.flb(&["cache", word, "--json"]).expect_code(0).json();
+        assert_eq!(misfits(&schema("cache"), &run), [""; 0], "{run}");
+        assert_eq!(run["kinds"]["species"]["entries"], 2, "{run}");
+    }
+    let run = folder.flb(&["cache", "list"]).expect_code(0);
+    assert!(run.stdout.contains("0 d  shrub-dense\n"), "{}", run.stdout);
+    assert!(folder.flb(&["cache", "stats"]).expect_code(0).stdout.contains("\nspecies "));
+
+    let entries = names_in(&folder.path(".flb-cache"));
+    let of = |kind: &str, ending: &str| {
+        let is_it = |name: &&String| name.starts_with(kind) && name.ends_with(ending);
+        format!(".flb-cache/{}", entries.iter().find(is_it).expect("an entry"))
+    };
+    for name in [of("crown-", ".artefact"), of("species-", ".flb"), of("parts-", ".artefact")] {
+        let mut bytes = folder.read(&name);
+        let middle = bytes.len() / 2;
+        bytes[middle] ^= 0x80;
+        folder.write(&name, &bytes);
+    }
+    let run = folder.flb(&["cache", "verify", "--json"]).expect_code(1).json();
+    assert_eq!(misfits(&schema("cache"), &run), [""; 0], "{run}");
+    assert_eq!(run["damaged"].as_array().map(Vec::len), Some(3), "{run}");
+    folder
+        .flb(&["cache", "verify", "--remove"])
+        .expect_code(0)
+        .says(&["other bytes than were kept; removed"]);
+    assert!(folder.flb(&["cache", "verify"]).expect_code(0).stdout.ends_with(", 0 damaged\n"));
+    // Made again, to the same bytes.
+    let library = folder.read("library/library.flb");
+    std::fs::remove_dir_all(folder.path("library")).expect("it was there");
+    folder.flb(&["library", "build"]).expect_code(0);
+    assert!(folder.read("library/library.flb") == library);
+
+    folder.flb(&["cache", "gc"]).expect_code(2).says(&["expected --max-size, --older-than or both"]);
+    let words = ["cache", "gc", "--max-size", "100k", "--dry-run", "--json"];
+    let planned = folder.flb(&words).expect_code(0).json();
+    assert_eq!(misfits(&schema("cache"), &planned), [""; 0], "{planned}");
+    let run = folder.flb(&["cache", "gc", "--max-size", "100k", "--json"]).expect_code(0).json();
+    assert_eq!(run["removed"], planned["removed"]);
+    assert!(run["bytes"].as_u64().expect("a count") <= 100_000, "{run}");
+    assert_eq!(folder.flb(&["cache", "stats", "--json"]).expect_code(0).json()["bytes"], run["bytes"]);
+    folder.flb(&["cache", "gc", "--older-than", "0h"]).expect_code(0);
+    assert_eq!(names_in(&folder.path(".flb-cache")), ["digests.json", "notes.txt"]);
+    folder.flb(&["library", "build"]).expect_code(0);
+    folder.flb(&["cache", "stats", "gone"]).expect_code(4).says(&["gone"]);
 }

@@ -8,13 +8,13 @@ use globset::GlobBuilder;
 const MAX_LOOKED_AT: usize = 1 << 20;
 
 /// Whether a name is a pattern.
-pub(super) fn is_pattern(name: &str) -> bool {
+pub(crate) fn is_pattern(name: &str) -> bool {
     name.contains(['*', '?', '[', '{'])
 }
 
 /// Files below `folder` that match, by name. `*` and `?` match within a name, `**` matches folders. Links to folders
 /// are not followed.
-pub(super) fn files(folder: &Path, pattern: &str) -> Result<Vec<PathBuf>, String> {
+pub(crate) fn files(folder: &Path, pattern: &str) -> Result<Vec<PathBuf>, String> {
     let matcher = GlobBuilder::new(pattern).literal_separator(true).build();
     let matcher = matcher.map_err(|error| format!("{pattern:?}: {}", error.kind()))?.compile_matcher();
     // Folders in front that are no pattern are where the search begins.

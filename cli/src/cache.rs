@@ -1,0 +1,180 @@
+//! `flb cache`: what a folder of results holds, whether it is sound, and what of it may go.
+
+use std::collections::BTreeMap;
+use std::time::SystemTime;
+
+use flb_farm::FarmError;
+use flb_farm::cache::{Kept, Limits, beyond, list, remove, verify};
+use serde::Serialize;
+
+use crate::args::{CacheArgs, CacheCommand, CacheFolder, GcArgs, VerifyArgs};
+use crate::exit::{Failure, USAGE, VERDICT};
+use crate::print::{self, line, say};
+
+/// Seconds of a day.
+const DAY_S: u64 = 86_400;
+
+/// What `--json` prints (cli/schema/cache.json).
+#[derive(Serialize, Default)]
+struct Report {
+    folder: String,
+    /// Entries and bytes by kind, of those that stay.
+    kinds: BTreeMap<String, Total>,
+    entries: usize,
+    bytes: u64,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    list: Option<Vec<Entry>>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    damaged: Option<Vec<Damaged>>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    removed: Option<Vec<Entry>>,
+}
+
+#[derive(Serialize, Default)]
+struct Total {
+    entries: usize,
+    bytes: u64,
+}
+
+#[derive(Serialize)]
+struct Entry {
+    name: String,
+    kind: String,
+    species: Option<String>,
+    bytes: u64,
+    days_unused: u64,
+}
+
+#[derive(Serialize)]
+struct Damaged {
+    name: String,
+    fault: String,
+    removed: bool,
+}
+
+pub(crate) fn run(args: &CacheArgs) -> Result<u8, Failure> {
+    match &args.command {
+        CacheCommand::List(args) => show(args, true),
+        CacheCommand::Stats(args) => show(args, false),
+        CacheCommand::Verify(args) => check(args),
+        CacheCommand::Gc(args) => collect(args),
+    }
+}
+
+fn entries(args: &CacheFolder) -> Result<Vec<Kept>, Failure> {
+    Ok(list(&args.folder).map_err(FarmError::from)?)
+}
+
+impl Report {
+    fn of(args: &CacheFolder, kept: &[Kept]) -> Report {
+        let mut report = Report { folder: args.folder.display().to_string(), ..Report::default() };
+        for one in kept {
+            let kind = report.kinds.entry(one.kind.clone()).or_default();
+            kind.entries += 1;
+            kind.bytes += one.bytes;
+            report.entries += 1;
+            report.bytes += one.bytes;
+        }
+        report
+    }
+
+    fn line(&self) -> String {
+        line!("{}: {} entries, {}", self.folder, self.entries, print::bytes(self.bytes))
+    }
+}
+
+impl Entry {
+    fn of(kept: &Kept, now: SystemTime) -> Entry {
+        let unused = now.duration_since(kept.used).unwrap_or_default();
+        Entry {
+            name: kept.name.clone(),
+            kind: kept.kind.clone(),
+            species: kept.species.clone(),
+            bytes: kept.bytes,
+            days_unused: unused.as_secs() / DAY_S,
+        }
+    }
+
+    fn cells(&self) -> Vec<String> {
+        let species = self.species.clone().unwrap_or_default();
+        vec![self.name.clone(), print::bytes(self.bytes), format!("{} d", self.days_unused), species]
+    }
+}
+
+fn show(args: &CacheFolder, is_list: bool) -> Result<u8, Failure> {
+    let kept = entries(args)?;
+    let now = SystemTime::now();
+    let mut report = Report::of(args, &kept);
+    if args.json {
+        report.list = is_list.then(|| kept.iter().map(|one| Entry::of(one, now)).collect());
+        print::json(&report)?;
+        return Ok(0);
+    }
+    let mut rows: Vec<Vec<String>> = Vec::new();
+    match is_list {
+        true => {
+            rows.push(["entry", "bytes", "unused", "species"].map(str::to_owned).to_vec());
+            rows.extend(kept.iter().map(|one| Entry::of(one, now).cells()));
+        }
+        false => {
+            rows.push(["kind", "entries", "bytes"].map(str::to_owned).to_vec());
+            let row = |(kind, total): (&String, &Total)| {
+                vec![kind.clone(), total.entries.to_string(), print::bytes(total.bytes)]
+            };
+            rows.extend(report.kinds.iter().map(row));
+        }
+    }
+    print::out(&(print::table(&rows) + &report.line()))?;
+    Ok(0)
+}
+
+/// Reads every entry, and says which are not what was kept.
+fn check(args: &VerifyArgs) -> Result<u8, Failure> {
+    let kept = entries(&args.folder)?;
+    let mut report = Report::of(&args.folder, &kept);
+    let mut damaged = Vec::new();
+    for one in &kept {
+        let Err(fault) = verify(one) else { continue };
+        let end = if args.remove { "; removed" } else { "" };
+        if args.remove {
+            remove(one)?;
+        }
+        say!("{}: {fault}{end}", args.folder.folder.join(&one.name).display());
+        damaged.push(Damaged { name: one.name.clone(), fault, removed: args.remove });
+    }
+    let count = damaged.len();
+    report.damaged = Some(damaged);
+    match args.folder.json {
+        true => print::json(&report)?,
+        false => print::out(&line!("{}, {count} damaged", report.line().trim_end()))?,
+    }
+    Ok(if count > 0 && !args.remove { VERDICT } else { 0 })
+}
+
+/// Removes what goes beyond the limits.
+fn collect(args: &GcArgs) -> Result<u8, Failure> {
+    let limits = Limits { max_bytes: args.max_size, older_than: args.older_than };
+    if limits == Limits::default() {
+        return Err(Failure::new(USAGE, "expected --max-size, --older-than or both"));
+    }
+    let now = SystemTime::now();
+    let gone = beyond(entries(&args.folder)?, &limits, now);
+    if !args.dry_run {
+        gone.iter().try_for_each(remove)?;
+    }
+    let is_gone = |one: &Kept| gone.iter().any(|other| other.name == one.name);
+    let mut left = entries(&args.folder)?;
+    left.retain(|one| !is_gone(one));
+    let mut report = Report::of(&args.folder, &left);
+    let bytes: u64 = gone.iter().map(|one| one.bytes).sum();
+    report.removed = Some(gone.iter().map(|one| Entry::of(one, now)).collect());
+    if args.folder.json {
+        print::json(&report)?;
+        return Ok(0);
+    }
+    let would = if args.dry_run { "would remove" } else { "removed" };
+    let (count, bytes, stay) = (gone.len(), print::bytes(bytes), report.line());
+    let (entries, stay) = (report.entries, stay.rsplit(", ").next().unwrap_or_default().trim_end());
+    print::out(&line!("{}: {would} {count} entries, {bytes}; {entries} stay, {stay}", report.folder))?;
+    Ok(0)
+}
