@@ -5,6 +5,7 @@ mod bake_scene;
 mod bands;
 mod cache;
 mod coding;
+mod farm;
 mod gpu_count;
 mod highlight;
 mod judge;
@@ -41,6 +42,7 @@ pub(crate) use bake_scene::BakeSceneArgs;
 pub(crate) use bands::BandArgs;
 pub(crate) use cache::{CacheArgs, CacheCommand, CacheFolder, GcArgs, VerifyArgs};
 pub(crate) use coding::CodingArgs;
+pub(crate) use farm::{EmitArgs, FarmArgs, FarmCommand, ProgressArg, TaskArgs, TaskCommand, TaskRunArgs};
 pub(crate) use highlight::HighlightArgs;
 pub(crate) use judge::JudgeArgs;
 pub(crate) use library::{BuildArgs, InitArgs, LibraryArgs, LibraryCommand, ManifestArgs, WhyArgs};
@@ -86,6 +88,7 @@ Exit codes:
   5   unsupported version, feature or extension
   6   a limit was hit
   70  internal fault
+  75  a task was stopped before its end: run it again
   130 interrupted";
 
 #[derive(Subcommand)]
@@ -133,6 +136,10 @@ pub(crate) enum Command {
     Trade(TradeArgs),
     /// Bake a library of species from a manifest: what changed and no more
     Library(LibraryArgs),
+    /// Bake a library on many machines: its work as tasks for Slurm, for what reads Open Job Description, for any other
+    Farm(FarmArgs),
+    /// Do a part of a library's work, as engines of farms call it
+    Task(TaskArgs),
     /// Look after a folder that `--cache` names: list, count, check and remove what it keeps
     Cache(CacheArgs),
     /// Say what this machine offers; `--extremes` tries the solvers at the ends of their range

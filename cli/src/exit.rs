@@ -54,6 +54,8 @@ pub(crate) const INPUT_OUTPUT: u8 = 4;
 pub(crate) const UNSUPPORTED: u8 = 5;
 /// A limit was hit.
 pub(crate) const LIMIT: u8 = 6;
+/// A task was stopped before its end and should be run again: EX_TEMPFAIL of sysexits.h.
+pub(crate) const AGAIN: u8 = 75;
 /// A fault of ours.
 pub(crate) const INTERNAL: u8 = 70;
 

@@ -20,8 +20,10 @@ use crate::args::{BuildArgs, InitArgs, LibraryArgs, LibraryCommand, ManifestArgs
 use crate::exit::{Failure, LOSS, USAGE, VERDICT};
 use crate::inputs::check_output;
 use crate::print::{self, line, say};
-use report::{Report, SpeciesReport};
+use report::Report;
+pub(crate) use report::SpeciesReport;
 use shown::Shown;
+pub(crate) use shown::say_built;
 
 /// Name of a manifest.
 const MANIFEST: &str = "library.toml";
@@ -38,14 +40,18 @@ pub(crate) fn run(args: &LibraryArgs) -> Result<u8, Failure> {
 }
 
 /// Opens the store of a manifest.
-fn store<'t>(args: &ManifestArgs, tell: &'t (dyn Fn(&str) + Sync)) -> (Folder<'t>, Trust) {
-    let beside = || args.manifest.parent().unwrap_or(Path::new("")).join(CACHE);
-    let folder: PathBuf = args.cache.clone().unwrap_or_else(beside);
+pub(crate) fn store<'t>(args: &ManifestArgs, tell: &'t (dyn Fn(&str) + Sync)) -> (Folder<'t>, Trust) {
     let trust = if args.paranoid { Trust::Nothing } else { Trust::SizeAndTime };
-    (Folder::open(Some(&folder), tell), trust)
+    (Folder::open(Some(&cache_of(args)), tell), trust)
 }
 
-fn plan(manifest: &Manifest, (store, trust): (&Folder, Trust)) -> Plan {
+/// Folder of the store of a manifest.
+pub(crate) fn cache_of(args: &ManifestArgs) -> PathBuf {
+    let beside = || args.manifest.parent().unwrap_or(Path::new("")).join(CACHE);
+    args.cache.clone().unwrap_or_else(beside)
+}
+
+pub(crate) fn plan(manifest: &Manifest, (store, trust): (&Folder, Trust)) -> Plan {
     let digests = Digests::open(store, trust);
     let plan = Plan::of(manifest, store, &digests);
     digests.keep(store);

@@ -16,6 +16,7 @@ mod diff;
 mod doctor;
 mod exit;
 mod extract;
+mod farm;
 mod folder;
 mod forest;
 mod grow;
@@ -147,6 +148,8 @@ fn run(command: Command) -> Result<u8, Failure> {
         Command::Trade(args) => trade::run(&args),
         Command::Library(args) => library::run(&args),
         Command::Cache(args) => cache::run(&args),
+        Command::Farm(args) => farm::run(&args),
+        Command::Task(args) => farm::run_task(&args),
     }
 }
 

@@ -90,20 +90,30 @@ pub fn build(
             return Err(no_species(manifest, name));
         }
     }
-    output.prepare()?;
     let digests = Digests::open(store, trust);
-    let plan = Plan::of(manifest, store, &digests);
+    let mut plan = Plan::of(manifest, store, &digests);
     digests.keep(store);
     observer.planned(&plan);
-    let is_asked =
-        |planned: &Planned| settings.only.is_empty() || settings.only.contains(&planned.entry.name);
-    let asked: Vec<Planned> = plan.species.into_iter().filter(is_asked).collect();
-    let work = Work { output: &output, store, observer, has_failed: AtomicBool::new(false) };
-    let species = schedule::run(asked, settings, &work)?;
+    plan.species.retain(|planned| settings.only.is_empty() || settings.only.contains(&planned.entry.name));
+    let species = bring(manifest, plan, settings, store, observer)?;
     let (index, old) = (Index::of(manifest, &output, &species), Index::read(&output));
     let library_bytes = write_all(manifest, &output, index, old, &species)?;
     let left_over = output.built().into_iter().filter(|name| manifest.find(name).is_none()).collect();
     Ok(Summary { species, library_bytes, left_over })
+}
+
+/// Brings the species of a plan to their places; neither the file of all nor index nor page is written.
+pub(crate) fn bring(
+    manifest: &Manifest,
+    plan: Plan,
+    settings: &BuildSettings,
+    store: &Folder,
+    observer: &dyn BuildObserver,
+) -> Result<Vec<Built>, FarmError> {
+    let output = Output::of(manifest);
+    output.prepare()?;
+    let work = Work { output: &output, store, observer, has_failed: AtomicBool::new(false) };
+    schedule::run(plan.species, settings, &work)
 }
 
 /// The error for a name that no species has.

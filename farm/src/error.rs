@@ -70,6 +70,34 @@ pub enum FarmError {
         /// Name that is nearest to it.
         nearest: Option<String>,
     },
+    /// A plan of tasks that is none.
+    #[error("{}: found {found}, expected a plan that `flb farm emit` wrote", plan.display())]
+    TaskPlan {
+        /// File of the plan.
+        plan: PathBuf,
+        /// Content.
+        found: String,
+    },
+    /// Tasks that a plan does not have.
+    #[error(
+        "found tasks {first}-{last}, expected numbers from 1 to {tasks}, the first no greater than the last"
+    )]
+    TaskRange {
+        /// First number.
+        first: usize,
+        /// Last number.
+        last: usize,
+        /// Tasks of the plan.
+        tasks: usize,
+    },
+    /// A plan of tasks that is older than the manifest, or than what it names.
+    #[error("{}: {species} is made of other inputs or settings than the plan says: plan again", manifest.display())]
+    Older {
+        /// The manifest.
+        manifest: PathBuf,
+        /// Name of the species.
+        species: String,
+    },
     /// A thread that the system does not give.
     #[error("threads: {0}")]
     Threads(String),

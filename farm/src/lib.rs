@@ -46,6 +46,7 @@
 pub mod build;
 pub mod cache;
 pub mod digests;
+pub mod emit;
 mod error;
 pub mod index;
 pub mod init;
@@ -63,6 +64,7 @@ mod publish;
 pub mod recipe;
 pub mod record;
 pub mod store;
+pub mod tasks;
 
 pub use error::FarmError;
 pub use manifest::Manifest;

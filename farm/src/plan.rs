@@ -49,6 +49,8 @@ pub struct Planned {
     pub state: State,
     /// Memory that its bake is expected to take, in bytes.
     pub memory_bytes: u64,
+    /// Seconds that its bake is expected to take: by what such bakes took before, where there are any.
+    pub seconds: f64,
 }
 
 /// Plan of a build.
@@ -73,9 +75,18 @@ impl Plan {
                 Err(error) => (None, State::Failed(error)),
             };
             let memory_bytes = job.as_ref().map_or(0, |job| predict::memory_bytes(&job.bake, job.bands()));
-            Planned { entry: entry.clone(), job, state, memory_bytes }
+            let seconds = job.as_ref().map_or(0.0, |job| predict::seconds(&job.bake, job.bands()));
+            Planned { entry: entry.clone(), job, state, memory_bytes, seconds }
         };
-        let species = manifest.species.par_iter().map(plan).collect();
+        let mut species: Vec<Planned> = manifest.species.par_iter().map(plan).collect();
+        let known = species.iter().filter_map(|planned| match &planned.state {
+            State::Current(record) | State::Stored(record) => Some((record.facts.seconds, planned.seconds)),
+            State::Due(_) | State::Failed(_) => None,
+        });
+        let (took, expected) = known.fold((0.0, 0.0), |sum, one| (sum.0 + one.0, sum.1 + one.1));
+        if expected > 0.0 {
+            species.iter_mut().for_each(|planned| planned.seconds *= took / expected);
+        }
         Plan { manifest: manifest.path.clone(), species }
     }
 

@@ -2,7 +2,7 @@
 
 use flb_farm::{FarmError, RecipeError};
 
-use super::{Failure, INPUT_OUTPUT, INTERNAL, INTERRUPTED, LIMIT, USAGE};
+use super::{Failure, INPUT_OUTPUT, INTERNAL, INTERRUPTED, LIMIT, USAGE, VERDICT};
 
 /// Settings as flags: `--suns`, `--model physical`.
 impl From<RecipeError> for Failure {
@@ -25,6 +25,7 @@ impl From<FarmError> for Failure {
             FarmError::Runtime(error) => error.into(),
             FarmError::File(error) => error.into(),
             FarmError::Changed { .. } => Failure::new(INPUT_OUTPUT, error),
+            FarmError::TaskPlan { .. } | FarmError::Older { .. } => Failure::new(VERDICT, error),
             FarmError::Unsound { .. } => Failure::new(INTERNAL, error),
             FarmError::Threads(_) => Failure::new(LIMIT, error),
             FarmError::Stopped => Failure::new(INTERRUPTED, error),

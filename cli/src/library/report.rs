@@ -27,7 +27,7 @@ pub(super) struct Report {
 }
 
 #[derive(Serialize)]
-pub(super) struct SpeciesReport {
+pub(crate) struct SpeciesReport {
     pub(super) name: String,
     pub(super) state: &'static str,
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -149,7 +149,7 @@ impl SpeciesReport {
         }
     }
 
-    fn of_built(built: &Built) -> SpeciesReport {
+    pub(crate) fn of_built(built: &Built) -> SpeciesReport {
         let new = |state| SpeciesReport::new(&built.name, state);
         let one = match &built.outcome {
             Outcome::Current => new("current"),

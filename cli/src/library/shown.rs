@@ -30,18 +30,26 @@ impl BuildObserver for Shown {
     }
 
     fn ended(&self, built: &Built) {
-        let record = built.record.as_ref();
-        let (bytes, seconds) = record.map_or((0, 0.0), |record| (record.facts.bytes, record.facts.seconds));
-        let told = match &built.outcome {
-            Outcome::Current | Outcome::Skipped => return,
-            Outcome::Stored => format!("from the cache, {}", print::bytes(bytes)),
-            Outcome::Made(why) => format!("baked in {seconds:.1} s, {} ({why})", print::bytes(bytes)),
-            Outcome::Failed(error) => format!("failed: {error}"),
-        };
-        let ended = self.ended.fetch_add(1, Ordering::Relaxed) + 1;
-        say!("[{ended}/{}] {}: {told}", self.total.load(Ordering::Relaxed), built.name);
-        for warning in record.into_iter().flat_map(|record| &record.facts.warnings) {
-            say!("warning: {}: {warning}", built.name);
+        if !matches!(built.outcome, Outcome::Current | Outcome::Skipped) {
+            let ended = self.ended.fetch_add(1, Ordering::Relaxed) + 1;
+            say_built(built, ended, self.total.load(Ordering::Relaxed));
         }
+    }
+}
+
+/// Says on stderr what became of a species, the so many-th of all.
+pub(crate) fn say_built(built: &Built, ended: usize, total: usize) {
+    let record = built.record.as_ref();
+    let (bytes, seconds) = record.map_or((0, 0.0), |record| (record.facts.bytes, record.facts.seconds));
+    let told = match &built.outcome {
+        Outcome::Current => "as it was".to_owned(),
+        Outcome::Skipped => "not made".to_owned(),
+        Outcome::Stored => format!("from the cache, {}", print::bytes(bytes)),
+        Outcome::Made(why) => format!("baked in {seconds:.1} s, {} ({why})", print::bytes(bytes)),
+        Outcome::Failed(error) => format!("failed: {error}"),
+    };
+    say!("[{ended}/{total}] {}: {told}", built.name);
+    for warning in record.into_iter().flat_map(|record| &record.facts.warnings) {
+        say!("warning: {}: {warning}", built.name);
     }
 }

@@ -24,7 +24,7 @@ fn help_of_every_command_exits_0() {
         assert!(words.contains(&schema), "{command} names its schema: {}", run.stdout);
     }
     let page = include_str!("../../../docs/book/src/errors.md");
-    for code in ["0", "1", "2", "3", "4", "5", "6", "70", "130"] {
+    for code in ["0", "1", "2", "3", "4", "5", "6", "70", "75", "130"] {
         assert!(top.stdout.contains(&format!("\n  {code} ")), "exit code {code} is not in: {}", top.stdout);
         assert!(
             page.contains(&format!("\n| {code} | ")),

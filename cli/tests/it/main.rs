@@ -1,5 +1,6 @@
 //! The built command, run as its users run it: one binary, as each is linked against all of `flb`.
 
+mod farm;
 mod flb;
 mod picture;
 mod schema;
