@@ -42,7 +42,10 @@ pub(crate) use bake_scene::BakeSceneArgs;
 pub(crate) use bands::BandArgs;
 pub(crate) use cache::{CacheArgs, CacheCommand, CacheFolder, GcArgs, VerifyArgs};
 pub(crate) use coding::CodingArgs;
-pub(crate) use farm::{EmitArgs, FarmArgs, FarmCommand, ProgressArg, TaskArgs, TaskCommand, TaskRunArgs};
+pub(crate) use farm::{
+    EmitArgs, EngineArg, FarmArgs, FarmCommand, LogsArgs, ProgressArg, SubmitArgs, TaskArgs, TaskCommand,
+    TaskRunArgs, WaitArgs, WorkArgs, WorkFolder,
+};
 pub(crate) use highlight::HighlightArgs;
 pub(crate) use judge::JudgeArgs;
 pub(crate) use library::{BuildArgs, InitArgs, LibraryArgs, LibraryCommand, ManifestArgs, WhyArgs};

@@ -1,25 +1,36 @@
 //! `flb farm`: the work of a library for an engine; `flb task`: a part of it, on one machine of many.
 
+mod status;
+
+use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicUsize, Ordering};
 use std::time::{Duration, Instant};
 
 use flb_farm::build::{BuildObserver, BuildSettings, OnFailure};
-use flb_farm::emit::{EmitSettings, PLAN, files};
+use flb_farm::emit::{EmitSettings, Engine, PLAN, files};
 use flb_farm::outcome::{Built, Outcome};
 use flb_farm::store::Folder;
 use flb_farm::tasks::TaskPlan;
-use flb_farm::{Manifest, Plan};
-use flb_files::publish;
+use flb_farm::{Manifest, Plan, slurm};
+use flb_files::{Existing, publish};
 use flb_scene::Step;
 use serde::Serialize;
 
-use crate::args::{EmitArgs, FarmArgs, FarmCommand, ProgressArg, TaskArgs, TaskCommand, TaskRunArgs};
+use crate::args::{
+    EmitArgs, EngineArg, FarmArgs, FarmCommand, ManifestArgs, ProgressArg, SubmitArgs, TaskArgs, TaskCommand,
+    TaskRunArgs, WorkArgs,
+};
 use crate::exit::{AGAIN, Failure, LOSS};
 use crate::inputs::check_output;
 use crate::library::{self, SpeciesReport};
 use crate::print::{self, line, say};
 
-/// What `flb farm --json` prints (cli/schema/farm.json).
+/// Folder of plan, scripts and logs beside a manifest.
+const FOLDER: &str = ".flb-farm";
+/// Seconds before the end of a task's time at which it stops by itself, at most.
+const MARGIN_S: u64 = 120;
+
+/// What `flb farm emit --json` and `submit --json` print (cli/schema/farm.json).
 #[derive(Serialize)]
 struct Emitted {
     output: String,
@@ -28,6 +39,8 @@ struct Emitted {
     tasks: usize,
     memory_bytes: u64,
     seconds: f64,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    jobs: Option<Vec<u64>>,
 }
 
 /// What `flb task --json` prints (cli/schema/task.json).
@@ -40,6 +53,11 @@ struct Ran {
 pub(crate) fn run(args: &FarmArgs) -> Result<u8, Failure> {
     match &args.command {
         FarmCommand::Emit(args) => emit(args),
+        FarmCommand::Submit(args) => submit(args),
+        FarmCommand::Status(args) => status::show(args),
+        FarmCommand::Wait(args) => status::wait(args),
+        FarmCommand::Cancel(args) => status::cancel(args),
+        FarmCommand::Logs(args) => status::logs(args),
     }
 }
 
@@ -49,50 +67,86 @@ pub(crate) fn run_task(args: &TaskArgs) -> Result<u8, Failure> {
     }
 }
 
-/// Writes a plan and the files of an engine.
 fn emit(args: &EmitArgs) -> Result<u8, Failure> {
-    let manifest = Manifest::read(&args.manifest.manifest)?;
+    let emitted = write(&args.manifest, &args.work, args.format.engine(), (&args.output, args.existing))?;
+    emitted.print(args.manifest.json)
+}
+
+/// Writes the scripts of Slurm, and submits them.
+fn submit(args: &SubmitArgs) -> Result<u8, Failure> {
+    let folder = args.output.clone().unwrap_or_else(|| args.manifest.manifest.with_file_name(FOLDER));
+    let EngineArg::Slurm = args.engine;
+    // Before files that jobs in the queue read are written over.
+    slurm::check_free(&folder)?;
+    let mut emitted = write(&args.manifest, &args.work, Engine::Slurm, (&folder, Existing::Replace))?;
+    if !args.dry_run {
+        emitted.jobs = Some(slurm::submit(&folder)?);
+    }
+    emitted.print(args.manifest.json)
+}
+
+/// Writes a plan and the files of an engine.
+fn write(
+    manifest: &ManifestArgs,
+    work: &WorkArgs,
+    engine: Engine,
+    (output, existing): (&Path, Existing),
+) -> Result<Emitted, Failure> {
+    let read = Manifest::read(&manifest.manifest)?;
     let tell = |told: &str| say!("{told}");
-    let (store, trust) = library::store(&args.manifest, &tell);
-    let plan: Plan = library::plan(&manifest, (&store, trust));
-    let plan = TaskPlan::of(&manifest, plan, &library::cache_of(&args.manifest), args.chunk)?;
-    let folder = std::path::absolute(&args.output).unwrap_or_else(|_| args.output.clone());
+    let (store, trust) = library::store(manifest, &tell);
+    let plan: Plan = library::plan(&read, (&store, trust));
+    let plan = TaskPlan::of(&read, plan, &library::cache_of(manifest), work.chunk)?;
+    let folder = std::path::absolute(output).unwrap_or_else(|_| output.to_owned());
+    let this = || std::env::current_exe().unwrap_or_else(|_| PathBuf::from("flb"));
+    let limit_s = work.time.as_deref().and_then(slurm::seconds);
     let settings = EmitSettings {
-        program: args.program.clone(),
+        program: work.program.clone().unwrap_or_else(this),
         folder: folder.clone(),
-        cores: args.cores,
-        partition: args.partition.clone(),
-        time: args.time.clone(),
+        cores: work.cores,
+        partition: work.partition.clone(),
+        time: work.time.clone(),
+        time_limit_s: limit_s.map(|seconds| seconds - (seconds / 10).min(MARGIN_S)),
     };
-    let files = files(&plan, args.format.engine(), &settings);
+    let files = files(&plan, engine, &settings);
     let refuse = |source| flb_files::FileError::Write { path: folder.clone(), source };
     std::fs::create_dir_all(&folder).map_err(refuse)?;
     let names = files.iter().map(|(name, _)| name.as_str()).chain([PLAN]);
     let mut names: Vec<String> = names.map(str::to_owned).collect();
     names.sort();
-    names.iter().try_for_each(|name| check_output(&folder.join(name), &[], args.existing))?;
-    plan.write(&folder.join(PLAN), args.existing)?;
+    names.iter().try_for_each(|name| check_output(&folder.join(name), &[], existing))?;
+    plan.write(&folder.join(PLAN), existing)?;
     for (name, text) in &files {
-        publish(&folder.join(name), args.existing, |file| file.write_all(text.as_bytes()))?;
+        publish(&folder.join(name), existing, |file| file.write_all(text.as_bytes()))?;
     }
-    let emitted = Emitted {
-        output: args.output.display().to_string(),
+    Ok(Emitted {
+        output: output.display().to_string(),
         files: names,
         species: plan.tasks.iter().map(|task| task.species.len()).sum(),
         tasks: plan.tasks.len(),
         memory_bytes: plan.tasks.iter().map(|task| task.memory_bytes).max().unwrap_or(0),
         seconds: plan.tasks.iter().map(|task| task.seconds).sum(),
-    };
-    if args.manifest.json {
-        print::json(&emitted)?;
-        return Ok(0);
+        jobs: None,
+    })
+}
+
+impl Emitted {
+    fn print(&self, is_json: bool) -> Result<u8, Failure> {
+        if is_json {
+            print::json(self)?;
+            return Ok(0);
+        }
+        let Emitted { output, species, tasks, memory_bytes, seconds, jobs, .. } = self;
+        let memory = print::bytes(*memory_bytes);
+        print::out(&line!(
+            "{output}: {species} species in {tasks} tasks, {memory} at most each, {seconds:.0} s expected on one core"
+        ))?;
+        if let Some(jobs) = jobs {
+            let jobs: Vec<String> = jobs.iter().map(u64::to_string).collect();
+            print::out(&line!("submitted as jobs {}", jobs.join(", ")))?;
+        }
+        Ok(0)
     }
-    let Emitted { output, species, tasks, memory_bytes, seconds, .. } = &emitted;
-    let memory = print::bytes(*memory_bytes);
-    print::out(&line!(
-        "{output}: {species} species in {tasks} tasks, {memory} at most each, {seconds:.0} s expected on one core"
-    ))?;
-    Ok(0)
 }
 
 /// Makes the species of tasks.

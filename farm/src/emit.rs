@@ -4,12 +4,15 @@ mod commands;
 mod openjd;
 mod slurm;
 
+use std::ops::RangeInclusive;
 use std::path::{Path, PathBuf};
 
 use crate::tasks::TaskPlan;
 
 /// Name of the plan beside the files of an engine.
 pub const PLAN: &str = "plan.json";
+/// Name of the list of the numbers of jobs that were submitted.
+pub const JOBS: &str = "jobs.txt";
 
 /// An engine.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -35,6 +38,8 @@ pub struct EmitSettings {
     pub partition: Option<String>,
     /// Limit of time of a task of Slurm, in Slurm's words: "60", "2:00:00".
     pub time: Option<String>,
+    /// Seconds after which a task stops by itself.
+    pub time_limit_s: Option<u64>,
 }
 
 /// The files of an engine, by name; the plan itself is not among them.
@@ -46,13 +51,22 @@ pub fn files(plan: &TaskPlan, engine: Engine, settings: &EmitSettings) -> Vec<(S
     }
 }
 
+/// Tasks of each array of Slurm, numbers from 1, in the order in which they are submitted.
+pub(crate) fn arrays(plan: &TaskPlan) -> Vec<RangeInclusive<usize>> {
+    slurm::arrays(plan)
+}
+
 impl EmitSettings {
     /// The command of a task: program and arguments. `number` is a number or what an engine puts one in place of.
     fn task(&self, number: &str) -> Vec<String> {
         let plan = shown(&self.folder.join(PLAN));
         let cores = self.cores.to_string();
-        let words = [&shown(&self.program), "--threads", &cores, "task", "run", &plan, number];
-        words.map(str::to_owned).to_vec()
+        let mut words = vec![shown(&self.program), "--threads".to_owned(), cores];
+        words.extend(["task", "run"].map(str::to_owned));
+        let limit = self.time_limit_s.map(|seconds| ["--time-limit".to_owned(), seconds.to_string()]);
+        words.extend(limit.into_iter().flatten());
+        words.extend([plan, number.to_owned()]);
+        words
     }
 
     /// The command that ends the work: what tasks left is made, then the file of all, index and page.

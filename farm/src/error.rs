@@ -98,6 +98,22 @@ pub enum FarmError {
         /// Name of the species.
         species: String,
     },
+    /// A command of an engine that is missing, refuses, or answers something else.
+    #[error("{command}: {found}")]
+    Engine {
+        /// The command, or the file with its answer.
+        command: String,
+        /// Answer.
+        found: String,
+    },
+    /// Work that was submitted before and is in the queue.
+    #[error("{}: job {job} is in the queue still: wait for it, cancel it, or choose another folder", folder.display())]
+    InQueue {
+        /// Folder that it was submitted from.
+        folder: PathBuf,
+        /// Name of the job to the engine.
+        job: String,
+    },
     /// A thread that the system does not give.
     #[error("threads: {0}")]
     Threads(String),

@@ -63,6 +63,7 @@ mod predict;
 mod publish;
 pub mod recipe;
 pub mod record;
+pub mod slurm;
 pub mod store;
 pub mod tasks;
 

@@ -26,6 +26,7 @@ impl From<FarmError> for Failure {
             FarmError::File(error) => error.into(),
             FarmError::Changed { .. } => Failure::new(INPUT_OUTPUT, error),
             FarmError::TaskPlan { .. } | FarmError::Older { .. } => Failure::new(VERDICT, error),
+            FarmError::Engine { .. } => Failure::new(INPUT_OUTPUT, error),
             FarmError::Unsound { .. } => Failure::new(INTERNAL, error),
             FarmError::Threads(_) => Failure::new(LIMIT, error),
             FarmError::Stopped => Failure::new(INTERRUPTED, error),

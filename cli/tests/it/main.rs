@@ -1,6 +1,5 @@
 //! The built command, run as its users run it: one binary, as each is linked against all of `flb`.
 
-mod farm;
 mod flb;
 mod picture;
 mod schema;
@@ -13,6 +12,7 @@ mod coded;
 mod colours;
 mod exit_codes;
 mod extents;
+mod farm;
 mod faults;
 mod forest;
 mod gpu;
@@ -37,6 +37,8 @@ mod scene;
 mod scene_light;
 mod signals;
 mod sky;
+#[cfg(target_os = "linux")]
+mod slurm;
 mod stream;
 mod torture;
 mod trade;

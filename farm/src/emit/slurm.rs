@@ -1,6 +1,7 @@
 //! Batch scripts of Slurm: <https://slurm.schedmd.com/sbatch.html>.
 
 use std::fmt::Write;
+use std::ops::RangeInclusive;
 
 use super::{EmitSettings, mebibytes, shell};
 use crate::tasks::TaskPlan;
@@ -8,21 +9,29 @@ use crate::tasks::TaskPlan;
 /// Tasks of an array: a cluster whose settings say nothing takes numbers up to 1000.
 const MAX_ARRAY: usize = 1000;
 
+/// Times that a task is run again.
+const MAX_AGAIN: u32 = 5;
+
 /// Scripts of arrays of tasks that take the same memory, one that ends the work, and one that submits all.
 pub(super) fn scripts(plan: &TaskPlan, settings: &EmitSettings) -> Vec<(String, String)> {
     let mut scripts = Vec::new();
-    for class in plan.classes() {
-        let (first, last) = (*class.start(), *class.end());
-        for first in (first..=last).step_by(MAX_ARRAY) {
-            let count = MAX_ARRAY.min(last + 1 - first);
-            let name = format!("bake-{}.sbatch", scripts.len() + 1);
-            scripts.push((name, bake(plan, settings, first, count)));
-        }
+    for tasks in arrays(plan) {
+        let name = format!("bake-{}.sbatch", scripts.len() + 1);
+        scripts.push((name, bake(plan, settings, *tasks.start(), tasks.count())));
     }
     let submit = submit(scripts.iter().map(|(name, _)| name.as_str()));
     scripts.push(("finish.sbatch".to_owned(), finish(plan, settings)));
     scripts.push(("submit.sh".to_owned(), submit));
     scripts
+}
+
+/// Tasks of each array, numbers from 1.
+pub(super) fn arrays(plan: &TaskPlan) -> Vec<RangeInclusive<usize>> {
+    let cut = |class: RangeInclusive<usize>| {
+        let last = *class.end();
+        class.step_by(MAX_ARRAY).map(move |first| first..=last.min(first + MAX_ARRAY - 1))
+    };
+    plan.classes().into_iter().flat_map(cut).collect()
 }
 
 /// The lines that every script begins with.
@@ -50,7 +59,7 @@ fn bake(plan: &TaskPlan, settings: &EmitSettings, first: usize, count: usize) ->
          {command} $((SLURM_ARRAY_TASK_ID + {first}))\n\
          code=$?\n\
          # It asks to be run again.\n\
-         if [ $code = 75 ]; then scontrol requeue \"${{SLURM_ARRAY_JOB_ID}}_${{SLURM_ARRAY_TASK_ID}}\"; fi\n\
+         if [ $code = 75 ] && [ \"${{SLURM_RESTART_COUNT:-0}}\" -lt {MAX_AGAIN} ]; then scontrol requeue \"${{SLURM_ARRAY_JOB_ID}}_${{SLURM_ARRAY_TASK_ID}}\"; fi\n\
          exit $code\n",
         count - 1
     );

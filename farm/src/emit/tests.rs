@@ -20,6 +20,7 @@ fn settings() -> EmitSettings {
         cores: 4,
         partition: Some("night".to_owned()),
         time: None,
+        time_limit_s: None,
     }
 }
 
