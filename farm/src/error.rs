@@ -114,6 +114,19 @@ pub enum FarmError {
         /// Name of the job to the engine.
         job: String,
     },
+    /// A built library that is not what a build leaves.
+    #[error("{}: found {found}, expected {expected}", file.display())]
+    Library {
+        /// The file.
+        file: PathBuf,
+        /// What is there.
+        found: String,
+        /// What should be there.
+        expected: String,
+    },
+    /// Light that takes more memory than there may be.
+    #[error("{0}")]
+    Room(String),
     /// A thread that the system does not give.
     #[error("threads: {0}")]
     Threads(String),

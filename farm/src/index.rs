@@ -1,9 +1,14 @@
 //! The index of a library, for programs.
 
 use std::collections::BTreeMap;
+use std::path::Path;
 
+use flb_format::Source;
+use flb_runtime::RuntimeError;
+use flb_runtime::source::FileSource;
 use serde::{Deserialize, Serialize};
 
+use crate::FarmError;
 use crate::manifest::Manifest;
 use crate::outcome::Built;
 use crate::output::{self, Output};
@@ -11,6 +16,8 @@ use crate::record::Facts;
 
 /// Version of the index.
 const SCHEMA: u32 = 1;
+/// Bytes of an index: about those of 200,000 species.
+const MAX_BYTES: u64 = 256 << 20;
 
 /// Index of what is built.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -87,6 +94,32 @@ impl Index {
     pub fn read(output: &Output) -> Option<Index> {
         let index: Index = serde_json::from_slice(&output::read(&output.index())?).ok()?;
         (index.schema == SCHEMA).then_some(index)
+    }
+
+    /// Reads an index that a build wrote.
+    ///
+    /// # Errors
+    /// A file that cannot be read; [`FarmError::Library`] for one that is no index.
+    pub fn open(file: &Path) -> Result<Index, FarmError> {
+        let path = file.to_owned();
+        let refused = |found: String| FarmError::Library {
+            file: path.clone(),
+            found,
+            expected: "an index that `flb library build` wrote".to_owned(),
+        };
+        let source = FileSource::open(file)?;
+        let failed = |source| RuntimeError::Io { path: path.clone(), action: "read", source };
+        let length = source.len_bytes().map_err(failed)?;
+        if length > MAX_BYTES {
+            return Err(refused(format!("{length} bytes, more than {MAX_BYTES}")));
+        }
+        let mut bytes = vec![0; length as usize];
+        source.read_exact_at(0, &mut bytes).map_err(failed)?;
+        let index: Index = serde_json::from_slice(&bytes).map_err(|error| refused(error.to_string()))?;
+        match index.schema == SCHEMA {
+            true => Ok(index),
+            false => Err(refused(format!("schema {} instead of {SCHEMA}", index.schema))),
+        }
     }
 
     pub(crate) fn made_of(&self) -> String {

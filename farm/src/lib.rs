@@ -45,6 +45,7 @@
 
 pub mod build;
 pub mod cache;
+pub mod compare;
 pub mod digests;
 pub mod emit;
 mod error;

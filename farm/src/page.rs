@@ -6,7 +6,7 @@ use crate::index::{Index, IndexEntry};
 use crate::manifest::Manifest;
 use crate::outcome::{Built, Outcome};
 
-const STYLE: &str = "\
+pub(crate) const STYLE: &str = "\
 body { font: 15px/1.4 system-ui, sans-serif; margin: 2rem; color: #222; }\n\
 table { border-collapse: collapse; }\n\
 th, td { padding: .35rem .8rem; text-align: right; vertical-align: top; border-bottom: 1px solid #ddd; }\n\
@@ -112,7 +112,7 @@ fn megabytes(bytes: u64) -> String {
 }
 
 /// Text that HTML shows as it is.
-fn escaped(text: &str) -> String {
+pub(crate) fn escaped(text: &str) -> String {
     let mut out = String::with_capacity(text.len());
     for c in text.chars() {
         match c {
@@ -127,7 +127,7 @@ fn escaped(text: &str) -> String {
 }
 
 /// A path as a link has it.
-fn link(path: &str) -> String {
+pub(crate) fn link(path: &str) -> String {
     let mut out = String::with_capacity(path.len());
     for byte in path.bytes() {
         match byte {

@@ -8,7 +8,7 @@ use tempfile::{TempDir, tempdir};
 use super::*;
 
 /// A plant of a trunk and leaves, `height_m` high.
-fn plant(height_m: f64) -> String {
+pub(crate) fn plant(height_m: f64) -> String {
     let mut text = String::new();
     let mut vertices = 0;
     let mut square = |text: &mut String, corners: [[f64; 3]; 4]| {
@@ -53,12 +53,12 @@ name = 'ash'
 mesh = 'ash.obj'
 ";
 
-struct Farm {
+pub(crate) struct Farm {
     folder: TempDir,
 }
 
 /// Stages of each species as they ran.
-type Ran = BTreeMap<String, Vec<&'static str>>;
+pub(crate) type Ran = BTreeMap<String, Vec<&'static str>>;
 
 #[derive(Default)]
 struct Heard(Mutex<Ran>);
@@ -76,7 +76,7 @@ impl BuildObserver for Heard {
 }
 
 impl Farm {
-    fn new() -> Farm {
+    pub(crate) fn new() -> Farm {
         let farm = Farm { folder: tempdir().expect("a folder") };
         farm.write("library.toml", MANIFEST);
         farm.write("oak.obj", &plant(2.0));
@@ -85,15 +85,15 @@ impl Farm {
         farm
     }
 
-    fn path(&self, name: &str) -> std::path::PathBuf {
+    pub(crate) fn path(&self, name: &str) -> std::path::PathBuf {
         self.folder.path().join(name)
     }
 
-    fn write(&self, name: &str, text: &str) {
+    pub(crate) fn write(&self, name: &str, text: &str) {
         fs::write(self.path(name), text).expect("a file");
     }
 
-    fn edit(&self, name: &str, from: &str, to: &str) {
+    pub(crate) fn edit(&self, name: &str, from: &str, to: &str) {
         let text = fs::read_to_string(self.path(name)).expect("a file");
         assert!(text.contains(from), "{name} has no {from}");
         self.write(name, &text.replace(from, to));
@@ -111,7 +111,7 @@ impl Farm {
         build(&manifest, settings, (&store, Trust::Nothing), observer)
     }
 
-    fn build(&self) -> (Vec<(String, String)>, Ran) {
+    pub(crate) fn build(&self) -> (Vec<(String, String)>, Ran) {
         let heard = Heard::default();
         let summary = self.build_with(&settings(), &heard).expect("a build");
         let outcome = |built: &Built| {
@@ -128,7 +128,7 @@ impl Farm {
     }
 
     /// Every file of the output, by its path.
-    fn files(&self) -> BTreeMap<String, Vec<u8>> {
+    pub(crate) fn files(&self) -> BTreeMap<String, Vec<u8>> {
         fn add(folder: &Path, base: &Path, found: &mut BTreeMap<String, Vec<u8>>) {
             for entry in fs::read_dir(folder).expect("a folder") {
                 let path = entry.expect("an entry").path();
