@@ -48,7 +48,9 @@ pub(crate) use farm::{
 };
 pub(crate) use highlight::HighlightArgs;
 pub(crate) use judge::JudgeArgs;
-pub(crate) use library::{BuildArgs, InitArgs, LibraryArgs, LibraryCommand, ManifestArgs, WhyArgs};
+pub(crate) use library::{
+    BuildArgs, InitArgs, LibraryArgs, LibraryCommand, LibraryDiffArgs, ManifestArgs, WhyArgs,
+};
 pub(crate) use model::{ModelArg, ModelArgs};
 pub(crate) use plan::PlanArgs;
 pub(crate) use render::{RenderArgs, RenderBackendArg};

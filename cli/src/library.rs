@@ -1,5 +1,6 @@
 //! `flb library`: species of a manifest, baked as far as they changed.
 
+mod diff;
 mod report;
 mod shown;
 
@@ -36,6 +37,7 @@ pub(crate) fn run(args: &LibraryArgs) -> Result<u8, Failure> {
         LibraryCommand::Check(args) => check(args),
         LibraryCommand::Build(args) => run_build(args),
         LibraryCommand::Why(args) => why(args),
+        LibraryCommand::Diff(args) => diff::run(args),
     }
 }
 

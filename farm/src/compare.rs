@@ -3,8 +3,9 @@
 //! Each of the two is a folder that [`build`](crate::build::build) wrote, or a `.flb` file. A species whose bytes are
 //! others is sampled in both: at the sites of the old file that hold matter, [`MAX_POINTS`] at most by a fixed stride,
 //! under the suns of [`SUNS_DEG`], and under the sky where both have light of it. The light is that of
-//! [`SpeciesLight`](flb_runtime::SpeciesLight): of the fields alone, with or without the sun's beam as the file has
-//! them. Each difference counts as a share of the mean old light over points and bands, under the suns or under the sky.
+//! [`SpeciesLight`](flb_runtime::SpeciesLight). Where a file leaves the sun's beam to the renderer, the beam at the
+//! point is added, as the plant's matter lets it through: an eye sees both. Each difference counts as a share of the
+//! mean old light over points and bands, under the suns or under the sky.
 
 mod figures;
 mod files;

@@ -5,7 +5,8 @@ use std::path::PathBuf;
 use clap::{ArgAction, Args, Subcommand};
 use flb_files::Existing;
 
-use super::values::existing;
+use super::MemoryArgs;
+use super::values::{existing, share};
 
 #[derive(Args)]
 #[command(after_help = "Schema of what --json prints: cli/schema/library.json")]
@@ -26,6 +27,9 @@ pub(crate) enum LibraryCommand {
     Build(BuildArgs),
     /// Say why a species would be baked: which input or setting is another one than before
     Why(WhyArgs),
+    /// Compare the light of two libraries, species by species, the worst first; with --fail-above exit 1 where it
+    /// differs by more
+    Diff(LibraryDiffArgs),
 }
 
 #[derive(Args)]
@@ -89,4 +93,28 @@ pub(crate) struct WhyArgs {
     pub species: String,
     #[command(flatten)]
     pub manifest: ManifestArgs,
+}
+
+#[derive(Args)]
+#[command(after_help = "Schema of what --json prints: cli/schema/library-diff.json")]
+pub(crate) struct LibraryDiffArgs {
+    /// The library before: a folder that `flb library build` wrote, or a .flb file
+    pub old: PathBuf,
+    /// The library now: a folder or a file
+    pub new: PathBuf,
+    /// Exit 1 where the light of a species differs by more, rms, as a share of its mean light: 1% or 0.01; where it
+    /// cannot be compared; and where a species is gone
+    #[arg(long, value_name = "SHARE", value_parser = share)]
+    pub fail_above: Option<f64>,
+    /// Folder for index.html, diff.json, junit.xml and pictures before, after and of the difference
+    #[arg(short = 'o', long = "output", value_name = "DIR")]
+    pub out: Option<PathBuf>,
+    /// Overwrite files that are there already
+    #[arg(long = "force", action = ArgAction::SetTrue, value_parser = existing())]
+    pub existing: Existing,
+    #[command(flatten)]
+    pub memory: MemoryArgs,
+    /// Print what was found as JSON (schema: cli/schema/library-diff.json)
+    #[arg(long)]
+    pub json: bool,
 }

@@ -13,6 +13,16 @@ pub(super) fn existing() -> impl TypedValueParser<Value = Existing> {
     BoolValueParser::new().map(|is_forced| if is_forced { Existing::Replace } else { Existing::Keep })
 }
 
+/// A share from 0 up: `1%` or `0.01`.
+pub(super) fn share(text: &str) -> Result<f64, String> {
+    let (number, unit) = text.strip_suffix('%').map_or((text, 1.0), |number| (number, 100.0));
+    let share = number.trim_end().parse().map(|number: f64| number / unit);
+    match share {
+        Ok(share) if share.is_finite() && share >= 0.0 => Ok(share),
+        _ => Err(format!("found {text:?}, expected a share from 0 up, as 1% or 0.01")),
+    }
+}
+
 /// Stops of exposure.
 pub(super) fn exposure(text: &str) -> Result<f32, String> {
     let stops: f32 = text.parse().map_err(|_| format!("found {text:?}, expected a number of stops"))?;

@@ -28,7 +28,8 @@ impl From<FarmError> for Failure {
             FarmError::TaskPlan { .. } | FarmError::Older { .. } => Failure::new(VERDICT, error),
             FarmError::Engine { .. } => Failure::new(INPUT_OUTPUT, error),
             FarmError::Unsound { .. } => Failure::new(INTERNAL, error),
-            FarmError::Threads(_) => Failure::new(LIMIT, error),
+            FarmError::Library { .. } => Failure::new(VERDICT, error),
+            FarmError::Room(_) | FarmError::Threads(_) => Failure::new(LIMIT, error),
             FarmError::Stopped => Failure::new(INTERRUPTED, error),
             error => Failure::new(USAGE, error),
         }

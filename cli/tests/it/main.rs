@@ -24,6 +24,7 @@ mod json;
 mod judge;
 mod killed;
 mod library;
+mod library_diff;
 mod main_job;
 mod migrate;
 mod mistakes;

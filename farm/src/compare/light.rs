@@ -1,8 +1,10 @@
 //! The light of one species in two files, at the same points under the same suns.
 
 use flb_format::container::Species;
+use flb_format::light::FieldKind;
 use flb_format::sun::towards_sun;
 use flb_format::{Daylight, FormatError, Grid};
+use flb_runtime::samplers::Marcher;
 use flb_runtime::{InstanceLight, Library, RuntimeError, SpeciesLight};
 use rayon::prelude::*;
 
@@ -62,9 +64,9 @@ fn match_up(old: &Species, new: &Species, differs: &mut Vec<String>) -> Result<V
             differs.push(format!("{what} {was} -> {is}"));
         }
     };
-    let numbers = |numbers: [f64; 3]| numbers.map(|number| number.to_string()).join(" ");
+    let numbers = |numbers: [f64; 3]| numbers.map(metres).join(" ");
     tell("lattice", old.grid.lattice.to_string(), new.grid.lattice.to_string());
-    tell("site edge, m,", old.grid.spacing_m.to_string(), new.grid.spacing_m.to_string());
+    tell("site edge, m,", metres(old.grid.spacing_m), metres(new.grid.spacing_m));
     tell("lattice corner, m,", numbers(old.grid.origin_m), numbers(new.grid.origin_m));
     tell("lower bounds, m,", numbers(old.bounds_m.min), numbers(new.bounds_m.min));
     tell("upper bounds, m,", numbers(old.bounds_m.max), numbers(new.bounds_m.max));
@@ -90,6 +92,11 @@ fn match_up(old: &Species, new: &Species, differs: &mut Vec<String>) -> Result<V
             Err(format!("bands {} -> {}", list(old.bands().collect()), list(new.bands().collect())))
         }
     }
+}
+
+/// Metres to a micrometre: less is not told.
+fn metres(metres: f64) -> String {
+    format!("{metres:.6}")
 }
 
 /// Sites with matter.
@@ -148,7 +155,7 @@ pub(super) fn shown_sun(sun_deg: Option<[f64; 2]>) -> String {
 /// Samples every light that a file has. The bands are put in this order.
 fn sample((library, at): Side, points: &[[f32; 3]], bands: &[usize]) -> Result<Sampled, FarmError> {
     let light = SpeciesLight::load(library, at)?;
-    let near = light.near();
+    let (near, beam) = (light.near(), beam((library, at))?);
     let mut found = Sampled { values: Vec::new(), suns_deg: Vec::new() };
     let suns = SUNS_DEG.map(|sun| {
         let [azimuth, elevation] = sun;
@@ -163,20 +170,36 @@ fn sample((library, at): Side, points: &[[f32; 3]], bands: &[usize]) -> Result<S
             Err(RuntimeError::LeftOut { .. } | RuntimeError::MissingBase { .. }) => continue,
             Err(error) => return Err(error.into()),
         };
-        found.values.push(at_points(&lit, points, bands));
+        let beam = beam.as_ref().filter(|_| sun_deg.is_some()).map(|beam| (beam, daylight.towards_sun));
+        found.values.push(at_points((&lit, beam), points, bands));
         found.suns_deg.push(sun_deg);
     }
     Ok(found)
 }
 
+/// Finds the sun's beam at a point, where the fields leave it to the renderer.
+fn beam((library, at): Side) -> Result<Option<Marcher<'static>>, FarmError> {
+    let light = library.container().species()[at].meta.physical();
+    if light.is_none_or(|(_, light)| light.field != FieldKind::Scattered) {
+        return Ok(None);
+    }
+    let turbid = library.container().read_turbid(library.source(), at).map_err(|e| refused(library, e))?;
+    Ok(Some(Marcher::new(&turbid, false)))
+}
+
 /// `[point][band]`; each point has the same light whatever the threads are.
-fn at_points(lit: &InstanceLight, points: &[[f32; 3]], bands: &[usize]) -> Vec<f32> {
+fn at_points(
+    (lit, beam): (&InstanceLight, Option<(&Marcher, [f64; 3])>),
+    points: &[[f32; 3]],
+    bands: &[usize],
+) -> Vec<f32> {
     let mut values = vec![0.0; points.len() * bands.len()];
     values.par_chunks_mut(CHUNK * bands.len()).zip(points.par_chunks(CHUNK)).for_each(|(values, points)| {
         let (mut cursor, mut all) = (lit.cursor(), vec![0.0; lit.bands()]);
         for (values, point) in values.chunks_exact_mut(bands.len()).zip(points) {
             cursor.at(*point, &mut all);
-            values.iter_mut().zip(bands).for_each(|(value, band)| *value = all[*band]);
+            let passes = beam.map_or(0.0, |(beam, towards_sun)| beam.near(*point, towards_sun, &[])[0]);
+            values.iter_mut().zip(bands).for_each(|(value, band)| *value = all[*band] + passes);
         }
     });
     values

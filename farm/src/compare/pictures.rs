@@ -10,12 +10,12 @@ use png::{BitDepth, ColorType, Decoder, Limits};
 
 /// Factor on the difference of two pictures, byte by byte.
 pub(super) const FACTOR: u8 = 8;
-/// Bytes of a picture; those of a build have less than a tenth.
-const MAX_FILE_BYTES: u64 = 4 << 20;
+/// Bytes of a picture; those of a build have a tenth of it.
+const MAX_FILE_BYTES: u64 = 1 << 20;
 /// Pixels along an edge.
 const MAX_EDGE: u32 = 4096;
 /// Pixels of a picture.
-const MAX_PIXELS: u64 = 1 << 20;
+const MAX_PIXELS: u64 = 1 << 18;
 
 /// Two pictures and their difference, as PNG files.
 pub(super) struct Pictures {
