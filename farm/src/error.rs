@@ -119,9 +119,9 @@ pub enum FarmError {
     Library {
         /// The file.
         file: PathBuf,
-        /// What is there.
+        /// Content that was found.
         found: String,
-        /// What should be there.
+        /// Content that is required.
         expected: String,
     },
     /// Light that takes more memory than there may be.

@@ -43,8 +43,7 @@ pub(super) fn run(args: &LibraryDiffArgs) -> Result<u8, Failure> {
 /// Refuses, before any work, a folder that is an input or cannot be written to.
 fn check_folder(folder: &Path, args: &LibraryDiffArgs) -> Result<(), Failure> {
     for input in [&args.old, &args.new] {
-        let is_built = |inner: &&str| is_same(&input.join(inner), folder);
-        if input.is_dir() && BUILT.iter().any(|inner| is_built(&inner)) {
+        if input.is_dir() && BUILT.iter().any(|inner| is_same(&input.join(inner), folder)) {
             let message = format!("is of {}, which is compared: name another folder", input.display());
             return Err(Failure::new(USAGE, message).at(folder));
         }

@@ -20,9 +20,7 @@ pub(super) struct Report {
     manifest: String,
     output: String,
     pub(super) species: Vec<SpeciesReport>,
-    #[serde(skip_serializing_if = "Option::is_none")]
     library_bytes: Option<u64>,
-    #[serde(skip_serializing_if = "Option::is_none")]
     left_over: Option<Vec<String>>,
 }
 

@@ -19,9 +19,9 @@ fn help_of_every_command_exits_0() {
         commands.iter().map(String::as_str).partition(|command| listed.contains(command));
     assert_eq!(listed, top_level, "every command has a schema, and every schema a command");
     let nested = below.iter().map(|command| {
-        let above =
+        let mut above =
             listed.iter().filter_map(|top| Some([*top, command.strip_prefix(top)?.strip_prefix('-')?]));
-        above.last().unwrap_or_else(|| panic!("{command}.json is of no command")).to_vec()
+        above.next_back().unwrap_or_else(|| panic!("{command}.json is of no command")).to_vec()
     });
     for words in top_level.iter().map(|command| vec![*command]).chain(nested) {
         let command = words.join("-");

@@ -9,7 +9,7 @@ use flb_runtime::{InstanceLight, Library, RuntimeError, SpeciesLight};
 use rayon::prelude::*;
 
 use super::figures::{Figures, NoFigures, Sample, Values, figures};
-use super::report::{LightChange, Worst};
+use super::report::{LightChange, Worst, shown_sun};
 use crate::FarmError;
 
 /// Azimuths and elevations of the suns, degrees: one above, three half high, three low.
@@ -145,11 +145,6 @@ fn sample_both(
         (Some(light), _) => Err(format!("light of {light} in the new file alone")),
         (None, Some(light)) => Err(format!("light of {light} in the old file alone")),
     })
-}
-
-/// A light as it is told.
-pub(super) fn shown_sun(sun_deg: Option<[f64; 2]>) -> String {
-    sun_deg.map_or("the sky".to_owned(), |[azimuth, elevation]| format!("the sun at {azimuth},{elevation}"))
 }
 
 /// Samples every light that a file has. The bands are put in this order.

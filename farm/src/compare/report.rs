@@ -5,8 +5,6 @@ use std::path::PathBuf;
 
 use serde::Serialize;
 
-use super::light::shown_sun;
-
 /// Comparison of two libraries. It is what `--json` prints (cli/schema/library-diff.json).
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Comparison {
@@ -43,13 +41,13 @@ pub struct Count {
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Serialize)]
 #[serde(rename_all = "lowercase")]
 pub enum State {
-    /// Other bytes.
+    /// Has other bytes.
     Changed,
-    /// Of the old one alone.
+    /// Is in the old library alone.
     Removed,
-    /// Of the new one alone.
+    /// Is in the new library alone.
     Added,
-    /// The same bytes.
+    /// Has equal bytes.
     Unchanged,
 }
 
@@ -204,6 +202,11 @@ impl Comparison {
             .map_or(String::new(), |most| format!("; {failed} fail, with a tolerance of {}", percent(most)));
         format!("{changed} changed, {removed} removed, {added} added, {unchanged} unchanged{verdict}")
     }
+}
+
+/// A light as it is told.
+pub(super) fn shown_sun(sun_deg: Option<[f64; 2]>) -> String {
+    sun_deg.map_or("the sky".to_owned(), |[azimuth, elevation]| format!("the sun at {azimuth},{elevation}"))
 }
 
 /// A share as a percentage.
