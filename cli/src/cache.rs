@@ -22,11 +22,8 @@ struct Report {
     kinds: BTreeMap<String, Total>,
     entries: usize,
     bytes: u64,
-    #[serde(skip_serializing_if = "Option::is_none")]
     list: Option<Vec<Entry>>,
-    #[serde(skip_serializing_if = "Option::is_none")]
     damaged: Option<Vec<Damaged>>,
-    #[serde(skip_serializing_if = "Option::is_none")]
     removed: Option<Vec<Entry>>,
 }
 
