@@ -2,6 +2,7 @@
 
 mod status;
 
+use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicUsize, Ordering};
 use std::time::{Duration, Instant};
@@ -30,17 +31,24 @@ const FOLDER: &str = ".flb-farm";
 /// Seconds before the end of a task's time at which it stops by itself, at most.
 const MARGIN_S: u64 = 120;
 
-/// What `flb farm emit --json` and `submit --json` print (cli/schema/farm.json).
-#[derive(Serialize)]
-struct Emitted {
+/// What `flb farm --json` prints (cli/schema/farm.json).
+#[derive(Serialize, Default)]
+struct Report {
     output: String,
-    files: Vec<String>,
-    species: usize,
-    tasks: usize,
-    memory_bytes: u64,
-    seconds: f64,
-    #[serde(skip_serializing_if = "Option::is_none")]
+    /// Of `emit` and `submit`.
+    files: Option<Vec<String>>,
+    species: Option<usize>,
+    tasks: Option<usize>,
+    memory_bytes: Option<u64>,
+    seconds: Option<f64>,
+    /// Of `submit`.
     jobs: Option<Vec<u64>>,
+    /// Of the others: species whose files are there, and names of those that wait to be made or cannot be.
+    done: Option<usize>,
+    missing: Option<Vec<String>>,
+    failed: Option<Vec<String>>,
+    /// Tasks in the queue by Slurm's word.
+    queue: Option<BTreeMap<String, u64>>,
 }
 
 /// What `flb task --json` prints (cli/schema/task.json).
@@ -91,7 +99,7 @@ fn write(
     work: &WorkArgs,
     engine: Engine,
     (output, existing): (&Path, Existing),
-) -> Result<Emitted, Failure> {
+) -> Result<Report, Failure> {
     let read = Manifest::read(&manifest.manifest)?;
     let tell = |told: &str| say!("{told}");
     let (store, trust) = library::store(manifest, &tell);
@@ -119,29 +127,30 @@ fn write(
     for (name, text) in &files {
         publish(&folder.join(name), existing, |file| file.write_all(text.as_bytes()))?;
     }
-    Ok(Emitted {
+    Ok(Report {
         output: output.display().to_string(),
-        files: names,
-        species: plan.tasks.iter().map(|task| task.species.len()).sum(),
-        tasks: plan.tasks.len(),
-        memory_bytes: plan.tasks.iter().map(|task| task.memory_bytes).max().unwrap_or(0),
-        seconds: plan.tasks.iter().map(|task| task.seconds).sum(),
-        jobs: None,
+        files: Some(names),
+        species: Some(plan.tasks.iter().map(|task| task.species.len()).sum()),
+        tasks: Some(plan.tasks.len()),
+        memory_bytes: plan.tasks.iter().map(|task| task.memory_bytes).max().or(Some(0)),
+        seconds: Some(plan.tasks.iter().map(|task| task.seconds).sum()),
+        ..Report::default()
     })
 }
 
-impl Emitted {
+impl Report {
     fn print(&self, is_json: bool) -> Result<u8, Failure> {
         if is_json {
             print::json(self)?;
             return Ok(0);
         }
-        let Emitted { output, species, tasks, memory_bytes, seconds, jobs, .. } = self;
-        let memory = print::bytes(*memory_bytes);
+        let (species, tasks) = (self.species.unwrap_or(0), self.tasks.unwrap_or(0));
+        let (memory, seconds) = (print::bytes(self.memory_bytes.unwrap_or(0)), self.seconds.unwrap_or(0.0));
         print::out(&line!(
-            "{output}: {species} species in {tasks} tasks, {memory} at most each, {seconds:.0} s expected on one core"
+            "{}: {species} species in {tasks} tasks, {memory} at most each, {seconds:.0} s expected on one core",
+            self.output
         ))?;
-        if let Some(jobs) = jobs {
+        if let Some(jobs) = &self.jobs {
             let jobs: Vec<String> = jobs.iter().map(u64::to_string).collect();
             print::out(&line!("submitted as jobs {}", jobs.join(", ")))?;
         }

@@ -12,21 +12,19 @@ use flb_farm::slurm::{self, Queued};
 use flb_farm::store::Folder;
 use flb_farm::tasks::TaskPlan;
 use flb_farm::{Manifest, Plan};
-use serde::Serialize;
 
+use super::Report;
 use crate::args::{LogsArgs, WaitArgs, WorkFolder};
 use crate::exit::{Failure, INPUT_OUTPUT, LOSS, USAGE};
 use crate::print::{self, line, say};
 
-/// What `flb farm status --json`, `wait` and `cancel` print (cli/schema/farm.json).
-#[derive(Serialize)]
+/// What became of the work of a folder.
 struct Status {
     output: String,
-    /// Species whose files are there, and those that wait to be made.
     done: usize,
+    /// Names of species that wait to be made, and of those that cannot be.
     missing: Vec<String>,
     failed: Vec<String>,
-    /// Tasks in the queue by Slurm's word.
     queue: BTreeMap<String, u64>,
 }
 
@@ -56,15 +54,30 @@ fn status(folder: &Path, queued: &[Queued]) -> Result<Status, Failure> {
 }
 
 impl Status {
-    fn print(&self, is_json: bool) -> Result<(), Failure> {
+    /// Species that are not there.
+    fn not_made(&self) -> impl Iterator<Item = &String> {
+        self.missing.iter().chain(&self.failed)
+    }
+
+    fn print(self, is_json: bool) -> Result<(), Failure> {
+        let not_made = self.not_made().count();
+        let Status { output, done, missing, failed, queue } = self;
         if is_json {
-            return print::json(self);
+            let (done, missing) = (Some(done), Some(missing));
+            let report = Report {
+                output,
+                done,
+                missing,
+                failed: Some(failed),
+                queue: Some(queue),
+                ..Report::default()
+            };
+            return print::json(&report);
         }
-        let queue: Vec<String> =
-            self.queue.iter().map(|(state, tasks)| format!("{tasks} {}", state.to_lowercase())).collect();
-        let queue = if queue.is_empty() { "nothing".to_owned() } else { queue.join(", ") };
-        let (done, missing) = (self.done, self.missing.len() + self.failed.len());
-        print::out(&line!("{}: {done} species there, {missing} missing; in the queue: {queue}", self.output))
+        let tasks: Vec<String> =
+            queue.iter().map(|(state, tasks)| format!("{tasks} {}", state.to_lowercase())).collect();
+        let queue = if tasks.is_empty() { "nothing".to_owned() } else { tasks.join(", ") };
+        print::out(&line!("{output}: {done} species there, {not_made} missing; in the queue: {queue}"))
     }
 }
 
@@ -97,10 +110,11 @@ pub(super) fn wait(args: &WaitArgs) -> Result<u8, Failure> {
         thread::sleep(Duration::from_secs_f64(args.interval));
     }
     let status = status(folder, &[])?;
+    let not_made = status.not_made();
+    not_made.for_each(|name| say!("{name}: not made; flb farm logs {name} {}", folder.display()));
+    let code = if status.not_made().count() > 0 { LOSS } else { 0 };
     status.print(args.folder.json)?;
-    let missing = status.missing.iter().chain(&status.failed);
-    missing.clone().for_each(|name| say!("{name}: not made; flb farm logs {name} {}", folder.display()));
-    Ok(if missing.count() > 0 { LOSS } else { 0 })
+    Ok(code)
 }
 
 pub(super) fn cancel(args: &WorkFolder) -> Result<u8, Failure> {
