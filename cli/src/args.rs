@@ -43,13 +43,13 @@ pub(crate) use bands::BandArgs;
 pub(crate) use cache::{CacheArgs, CacheCommand, CacheFolder, GcArgs, VerifyArgs};
 pub(crate) use coding::CodingArgs;
 pub(crate) use farm::{
-    EmitArgs, EngineArg, FarmArgs, FarmCommand, LogsArgs, ProgressArg, SubmitArgs, TaskArgs, TaskCommand,
-    TaskRunArgs, WaitArgs, WorkArgs, WorkFolder,
+    EmitArgs, EngineArg, FarmArgs, FarmCommand, LogsArgs, SubmitArgs, TaskArgs, TaskCommand, TaskRunArgs,
+    WaitArgs, WorkArgs, WorkFolder,
 };
 pub(crate) use highlight::HighlightArgs;
 pub(crate) use judge::JudgeArgs;
 pub(crate) use library::{
-    BuildArgs, InitArgs, LibraryArgs, LibraryCommand, LibraryDiffArgs, ManifestArgs, WhyArgs,
+    BuildArgs, InitArgs, LibraryArgs, LibraryCommand, LibraryDiffArgs, ManifestArgs, ProgressArg, WhyArgs,
 };
 pub(crate) use model::{ModelArg, ModelArgs};
 pub(crate) use plan::PlanArgs;

@@ -4,26 +4,24 @@ mod status;
 
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
-use std::sync::atomic::{AtomicUsize, Ordering};
 use std::time::{Duration, Instant};
 
-use flb_farm::build::{BuildObserver, BuildSettings, OnFailure};
+use flb_farm::build::{BuildSettings, OnFailure};
 use flb_farm::emit::{EmitSettings, Engine, PLAN, files};
-use flb_farm::outcome::{Built, Outcome};
+use flb_farm::outcome::Outcome;
 use flb_farm::store::Folder;
 use flb_farm::tasks::TaskPlan;
 use flb_farm::{Manifest, Plan, slurm};
 use flb_files::{Existing, publish};
-use flb_scene::Step;
 use serde::Serialize;
 
 use crate::args::{
-    EmitArgs, EngineArg, FarmArgs, FarmCommand, ManifestArgs, ProgressArg, SubmitArgs, TaskArgs, TaskCommand,
-    TaskRunArgs, WorkArgs,
+    EmitArgs, EngineArg, FarmArgs, FarmCommand, ManifestArgs, SubmitArgs, TaskArgs, TaskCommand, TaskRunArgs,
+    WorkArgs,
 };
 use crate::exit::{AGAIN, Failure, LOSS};
 use crate::inputs::check_output;
-use crate::library::{self, SpeciesReport};
+use crate::library::{self, Shown, SpeciesReport};
 use crate::print::{self, line, say};
 
 /// Folder of plan, scripts and logs beside a manifest.
@@ -173,13 +171,8 @@ fn work(args: &TaskRunArgs) -> Result<u8, Failure> {
         on_failure: OnFailure::KeepGoing,
     };
     let numbers = args.range.clone();
-    let of_task = |number: usize| plan.tasks.get(number.wrapping_sub(1)).map_or(0, |task| task.species.len());
-    let observer = Told {
-        deadline: args.time_limit.map(|seconds| start + Duration::from_secs_f64(seconds)),
-        is_openjd: args.progress == ProgressArg::Openjd,
-        total: numbers.clone().take(plan.tasks.len()).map(of_task).sum(),
-        ended: AtomicUsize::new(0),
-    };
+    let deadline = args.time_limit.map(|seconds| start + Duration::from_secs_f64(seconds));
+    let observer = Shown::new(args.progress, 1, deadline);
     let built = plan.run(numbers, &settings, &store, &observer)?;
     let is = |of: fn(&Outcome) -> bool| built.iter().any(|one| of(&one.outcome));
     let (has_failed, is_cut) = (
@@ -198,39 +191,4 @@ fn work(args: &TaskRunArgs) -> Result<u8, Failure> {
     } else {
         0
     })
-}
-
-/// Tells how far a task is.
-struct Told {
-    deadline: Option<Instant>,
-    is_openjd: bool,
-    total: usize,
-    ended: AtomicUsize,
-}
-
-impl Told {
-    fn openjd(&self, name: &str, value: &dyn std::fmt::Display) {
-        if self.is_openjd {
-            // A runner that reads no more is no reason to stop.
-            let _ = print::out(&line!("openjd_{name}: {value}"));
-        }
-    }
-}
-
-impl BuildObserver for Told {
-    fn at(&self, species: &str, step: Step, share: f64) {
-        if share == 0.0 {
-            self.openjd("status", &format!("{species}: {}", step.name()));
-        }
-    }
-
-    fn ended(&self, built: &Built) {
-        let ended = self.ended.fetch_add(1, Ordering::Relaxed) + 1;
-        library::say_built(built, ended, self.total);
-        self.openjd("progress", &(100 * ended / self.total.max(1)));
-    }
-
-    fn is_stopped(&self) -> bool {
-        self.deadline.is_some_and(|deadline| Instant::now() >= deadline)
-    }
 }

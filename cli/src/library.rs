@@ -17,14 +17,13 @@ use flb_farm::{FarmError, Manifest, Plan};
 use flb_files::publish;
 use flb_scene::Unobserved;
 
-use crate::args::{BuildArgs, InitArgs, LibraryArgs, LibraryCommand, ManifestArgs, WhyArgs};
+use crate::args::{BuildArgs, InitArgs, LibraryArgs, LibraryCommand, ManifestArgs, ProgressArg, WhyArgs};
 use crate::exit::{Failure, LOSS, USAGE, VERDICT};
 use crate::inputs::check_output;
 use crate::print::{self, line, say};
 use report::Report;
 pub(crate) use report::SpeciesReport;
-use shown::Shown;
-pub(crate) use shown::say_built;
+pub(crate) use shown::Shown;
 
 /// Name of a manifest.
 const MANIFEST: &str = "library.toml";
@@ -144,7 +143,11 @@ fn run_build(args: &BuildArgs) -> Result<u8, Failure> {
     let tell = |told: &str| say!("{told}");
     let (store, trust) = store(&args.manifest, &tell);
     let settings = settings(args)?;
-    let shown = Shown::default();
+    let is_for_machines = matches!(args.progress, ProgressArg::Json | ProgressArg::Openjd);
+    if args.manifest.json && is_for_machines {
+        return Err(Failure::new(USAGE, "--json and --progress both write to stdout, expected one of them"));
+    }
+    let shown = Shown::new(args.progress, settings.jobs, None);
     let summary = build(&manifest, &settings, (&store, trust), &shown)?;
     end(args, &manifest, summary)
 }

@@ -64,6 +64,12 @@ pub(crate) fn json(value: &impl Serialize) -> Result<(), Failure> {
     to_stdout(&(clean::json(&text) + "\n"))
 }
 
+/// Writes a value to stdout as one line of JSON.
+pub(crate) fn json_line(value: &impl Serialize) -> Result<(), Failure> {
+    let text = serde_json::to_string(value).map_err(|error| Failure::new(INTERNAL, error))?;
+    to_stdout(&(clean::json(&text) + "\n"))
+}
+
 /// Writes help and version, which are ours alone, with what marks them on a terminal.
 pub(crate) fn help(error: &clap::Error) -> Result<(), Failure> {
     check_open()?;

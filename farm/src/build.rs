@@ -50,7 +50,7 @@ pub struct BuildSettings {
 
 /// Follower of a build. Every method may do nothing.
 pub trait BuildObserver: Sync {
-    /// Called once, before any work.
+    /// Called once, before any work, with the species that are asked for.
     fn planned(&self, plan: &Plan) {
         let _ = plan;
     }
@@ -93,8 +93,8 @@ pub fn build(
     let digests = Digests::open(store, trust);
     let mut plan = Plan::of(manifest, store, &digests);
     digests.keep(store);
-    observer.planned(&plan);
     plan.species.retain(|planned| settings.only.is_empty() || settings.only.contains(&planned.entry.name));
+    observer.planned(&plan);
     let species = bring(manifest, plan, settings, store, observer)?;
     let (index, old) = (Index::of(manifest, &output, &species), Index::read(&output));
     let library_bytes = write_all(manifest, &output, index, old, &species)?;

@@ -166,6 +166,7 @@ impl TaskPlan {
                 return Err(older(name));
             }
         }
+        observer.planned(&plan);
         bring(&some, plan, settings, store, observer)
     }
 }

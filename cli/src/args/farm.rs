@@ -7,8 +7,8 @@ use clap::{ArgAction, Args, Subcommand, ValueEnum};
 use flb_farm::emit::Engine;
 use flb_files::Existing;
 
-use super::ManifestArgs;
 use super::values::{above_0, existing};
+use super::{ManifestArgs, ProgressArg};
 
 #[derive(Args)]
 #[command(after_help = "Schema of what --json prints: cli/schema/farm.json")]
@@ -177,7 +177,7 @@ pub(crate) struct TaskRunArgs {
     #[arg(value_name = "RANGE", value_parser = range)]
     pub range: RangeInclusive<usize>,
     /// Form of what is told on the way
-    #[arg(long, default_value = "lines", value_name = "FORM")]
+    #[arg(long, default_value = "auto", value_name = "FORM")]
     pub progress: ProgressArg,
     /// Seconds after which the work stops, with exit code 75; what stages made is kept
     #[arg(long, value_parser = above_0, value_name = "SECONDS")]
@@ -185,14 +185,6 @@ pub(crate) struct TaskRunArgs {
     /// Print what became of each species as JSON (schema: cli/schema/task.json)
     #[arg(long, conflicts_with = "progress")]
     pub json: bool,
-}
-
-#[derive(ValueEnum, Clone, Copy, PartialEq)]
-pub(crate) enum ProgressArg {
-    /// Sentences on stderr
-    Lines,
-    /// The same, and on stdout what runners of Open Job Description read: openjd_progress, openjd_status
-    Openjd,
 }
 
 /// "3" or "3-5".

@@ -2,7 +2,7 @@
 
 use std::path::PathBuf;
 
-use clap::{ArgAction, Args, Subcommand};
+use clap::{ArgAction, Args, Subcommand, ValueEnum};
 use flb_files::Existing;
 
 use super::MemoryArgs;
@@ -84,6 +84,21 @@ pub(crate) struct BuildArgs {
     /// Say what would be done, and why, and do nothing
     #[arg(long)]
     pub dry_run: bool,
+    /// Form of what is told on the way
+    #[arg(long, default_value = "auto", value_name = "FORM")]
+    pub progress: ProgressArg,
+}
+
+#[derive(ValueEnum, Clone, Copy, PartialEq)]
+pub(crate) enum ProgressArg {
+    /// Bars on a terminal, sentences elsewhere, on stderr
+    Auto,
+    /// Sentences on stderr
+    Lines,
+    /// Sentences, and on stdout a line of JSON for each stage and each species
+    Json,
+    /// Sentences, and on stdout what runners of Open Job Description read: openjd_progress, openjd_status
+    Openjd,
 }
 
 #[derive(Args)]

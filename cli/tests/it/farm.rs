@@ -76,6 +76,40 @@ fn commands_make_what_a_build_makes() {
     assert_eq!(job["steps"].as_array().map(Vec::len), Some(1));
 }
 
+/// openjd-cli: as scripts/setup installs it.
+fn openjd(folder: &Folder, words: &[&str]) -> String {
+    let target = std::env::var_os("CARGO_TARGET_DIR").map(std::path::PathBuf::from);
+    let root = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("..");
+    let packages =
+        target.map_or_else(|| root.join("target"), |target| root.join(target)).join("tools/openjd");
+    assert!(packages.is_dir(), "{}: scripts/setup test installs it", packages.display());
+    let mut command = Command::new("/usr/bin/python3");
+    command.args(["-m", "openjd"]).args(words).env("PYTHONPATH", packages).current_dir(folder.path(""));
+    let output = command.output().expect("scripts/setup test installs Python");
+    let text =
+        [output.stdout, output.stderr].map(|bytes| String::from_utf8_lossy(&bytes).into_owned()).concat();
+    assert!(output.status.success(), "{words:?}: {text}");
+    text
+}
+
+#[test]
+fn a_runner_of_open_job_description_checks_and_runs_the_job() {
+    let folder = farm();
+    emit(&folder, "openjd", "work");
+    assert!(openjd(&folder, &["check", "work/job.json"]).contains("passes validation checks"));
+    let told = openjd(&folder, &["run", "work/job.json"]);
+    for line in
+        ["openjd_status: shrub-dense: solve", "openjd_progress: 100", "0 baked, 0 from the cache, 3 as they"]
+    {
+        assert!(told.contains(line), "{line}: {told}");
+    }
+    let library = folder.read("library/library.flb");
+    std::fs::remove_dir_all(folder.path("library")).expect("it was there");
+    std::fs::remove_dir_all(folder.path(".flb-cache")).expect("it was there");
+    folder.flb(&["library", "build"]).expect_code(0);
+    assert!(folder.read("library/library.flb") == library, "the same bytes as a build on one machine");
+}
+
 #[test]
 fn a_task_tells_engines_how_far_it_is_and_asks_to_be_run_again() {
     let folder = farm();

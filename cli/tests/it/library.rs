@@ -134,6 +134,32 @@ fn a_folder_of_meshes_becomes_a_library() {
 }
 
 #[test]
+fn engines_read_how_far_a_build_is() {
+    let folder = farm();
+    let both = ["library", "build", "--json", "--progress", "json"];
+    folder.flb(&both).expect_code(2).says(&["--json and --progress both write to stdout"]);
+    let run = folder.flb(&["library", "build", "--progress", "json", "--jobs", "1"]).expect_code(0);
+    let lines: Vec<&str> = run.stdout.lines().collect();
+    let (end, events) = lines.split_last().expect("lines");
+    assert!(end.contains("2 baked"), "{end}");
+    let events: Vec<serde_json::Value> =
+        events.iter().map(|line| serde_json::from_str(line).expect("a line of JSON")).collect();
+    let of = |kind: &str| events.iter().filter(|event| event["event"] == kind).collect::<Vec<_>>();
+    let [planned] = of("planned")[..] else { panic!("{events:?}") };
+    assert!(planned["due"] == 2 && planned["seconds"].as_f64() > Some(0.1), "{planned}");
+    let stages: Vec<&str> = of("stage").iter().filter_map(|event| event["stage"].as_str()).collect();
+    assert!(stages.starts_with(&["import", "voxelise"]) && stages.ends_with(&["render"]), "{stages:?}");
+    let [first, last] = of("ended")[..] else { panic!("{events:?}") };
+    assert_eq!(
+        (&first["ended"], &first["due"], &first["species"]["state"]),
+        (&json!(1), &json!(2), &json!("made"))
+    );
+    assert!(first["seconds"].as_f64() > Some(0.0) && last["seconds"] == 0.0, "{first} {last}");
+    let run = folder.flb(&["library", "build", "--progress", "openjd", "--cache", "other"]).expect_code(0);
+    assert!(!run.stdout.contains("openjd"), "nothing is due: {}", run.stdout);
+}
+
+#[test]
 fn a_cache_is_listed_checked_and_cut() {
     let folder = farm();
     folder.flb(&["library", "build"]).expect_code(0);
