@@ -172,7 +172,7 @@ fn work(args: &TaskRunArgs) -> Result<u8, Failure> {
     };
     let numbers = args.range.clone();
     let deadline = args.time_limit.map(|seconds| start + Duration::from_secs_f64(seconds));
-    let observer = Shown::new(args.progress, 1, deadline);
+    let observer = Shown::new(args.progress, &settings, deadline);
     let built = plan.run(numbers, &settings, &store, &observer)?;
     let is = |of: fn(&Outcome) -> bool| built.iter().any(|one| of(&one.outcome));
     let (has_failed, is_cut) = (

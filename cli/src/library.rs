@@ -147,7 +147,7 @@ fn run_build(args: &BuildArgs) -> Result<u8, Failure> {
     if args.manifest.json && is_for_machines {
         return Err(Failure::new(USAGE, "--json and --progress both write to stdout, expected one of them"));
     }
-    let shown = Shown::new(args.progress, settings.jobs, None);
+    let shown = Shown::new(args.progress, &settings, None);
     let summary = build(&manifest, &settings, (&store, trust), &shown)?;
     end(args, &manifest, summary)
 }

@@ -1,12 +1,13 @@
 //! Libraries of species: how long it takes to see that nothing changed, to plan a hundred thousand, what two at once
-//! gain, and what scheduler and store take beside the bakes.
+//! gain, what scheduler and store take beside the bakes, and how much memory a bake takes of what was expected.
 //!
-//! `cargo bench -p flb-farm --bench library`. Ratios are of runs side by side.
+//! `cargo bench -p flb-farm --bench library -- [plan|unchanged|jobs|memory]...`, by default all. Ratios are of
+//! runs side by side.
 
 use std::fmt::Write;
 use std::fs;
 use std::path::Path;
-use std::time::Instant;
+use std::time::{Duration, Instant};
 
 use flb_baker::bake::NoStore;
 use flb_farm::build::{BuildObserver, BuildSettings, OnFailure, build};
@@ -25,6 +26,9 @@ const PLANNED: usize = 100_000;
 const BAKED: u64 = 12;
 const LATTICE: u32 = 64;
 const TRIANGLES: u32 = 4_000;
+
+/// Time after which digests of a file are kept.
+const SETTLED: Duration = Duration::from_secs(3);
 
 struct Quiet;
 impl BuildObserver for Quiet {}
@@ -86,8 +90,7 @@ fn unchanged(folder: &Path) {
     }
     fs::write(folder.join("library.toml"), text).expect("a file");
     let built_s = run(folder, &settings(2, 2), Trust::SizeAndTime);
-    // Digests of files that were written just now are not kept.
-    std::thread::sleep(std::time::Duration::from_secs(3));
+    std::thread::sleep(SETTLED);
     run(folder, &settings(2, 2), Trust::SizeAndTime);
     let again_s = run(folder, &settings(2, 2), Trust::SizeAndTime);
     let read_s = run(folder, &settings(2, 2), Trust::Nothing);
@@ -128,12 +131,74 @@ fn two_at_once(folder: &Path) {
     );
 }
 
+/// Word by which this program bakes the library of a folder, in a process of its own, and prints its largest memory.
+const ALONE: &str = "alone";
+
+/// Largest memory of a process that bakes the library of a folder, in bytes.
+fn taken_bytes(folder: &Path) -> u64 {
+    let this = std::env::current_exe().expect("the path of this program");
+    let output = std::process::Command::new(this).arg(ALONE).arg(folder).output().expect("this program runs");
+    let text = String::from_utf8_lossy(&output.stdout).into_owned();
+    text.trim().parse().unwrap_or_else(|_| panic!("{text}{}", String::from_utf8_lossy(&output.stderr)))
+}
+
+/// Memory that was expected, before and after a first bake, and that was taken.
+fn memory(folder: &Path) {
+    println!("plant   lattice  quality    expected MB  known sites MB  taken MB  taken over known");
+    for (kind, triangles) in
+        [(PlantKind::Shrub, 4_000), (PlantKind::Oak, 80_000), (PlantKind::Spruce, 40_000)]
+    {
+        for (lattice, quality) in
+            [(32, "standard"), (64, "standard"), (128, "standard"), (64, "draft"), (64, "papers")]
+        {
+            clear(folder);
+            let plant = grow(kind, 1, triangles).expect("enough triangles");
+            fs::write(folder.join("plant.glb"), plant.to_glb()).expect("room");
+            let text = format!(
+                "[[species]]\nmesh = 'plant.glb'\nbake = {{ quality = '{quality}', lattice = {lattice} }}\n"
+            );
+            fs::write(folder.join("library.toml"), text).expect("a file");
+            let expected = || {
+                let manifest = Manifest::read(&folder.join("library.toml")).expect("a manifest");
+                let nothing = Folder::open(None, &|_| {});
+                let plan = Plan::of(&manifest, &nothing, &Digests::open(&nothing, Trust::Nothing));
+                plan.species[0].memory_bytes as f64 / 1e6
+            };
+            let before = expected();
+            let taken = taken_bytes(folder) as f64 / 1e6;
+            let known = expected();
+            println!(
+                "{kind:<7?} {lattice:>7}  {quality:<9} {before:>12.0} {known:>15.0} {taken:>9.0} {:>17.2}",
+                taken / known
+            );
+        }
+    }
+}
+
+/// Name of what is measured, and how.
+type Part = (&'static str, fn(&Path));
+
 fn main() {
+    // Cargo adds --bench.
+    let wanted: Vec<String> = std::env::args().skip(1).filter(|argument| argument != "--bench").collect();
+    if let [word, folder] = &wanted[..]
+        && word == ALONE
+    {
+        run(Path::new(folder), &settings(1, 2), Trust::SizeAndTime);
+        println!("{}", peak_bytes().unwrap_or(0));
+        return;
+    }
     let temporary = tempfile::tempdir().expect("a temporary folder");
     let folder = temporary.path();
     let card = grow(PlantKind::LeafCard, 1, 2).expect("enough triangles");
     fs::write(folder.join("card.glb"), card.to_glb()).expect("room");
-    plan_many(folder);
-    unchanged(folder);
-    two_at_once(folder);
+    // Digests of files that were written just now are not kept.
+    std::thread::sleep(SETTLED);
+    let parts: [Part; 4] =
+        [("plan", plan_many), ("unchanged", unchanged), ("jobs", two_at_once), ("memory", memory)];
+    for (name, part) in parts {
+        if wanted.is_empty() || wanted.iter().any(|word| word == name) {
+            part(folder);
+        }
+    }
 }

@@ -131,7 +131,7 @@ impl Manifest {
     /// # Errors
     /// [`ImportError::Syntax`].
     pub fn check_text(file: &str, text: &str) -> Result<(), ImportError> {
-        let source = Source { file: file.to_owned(), text: text.to_owned() };
+        let source = Source::new(file.to_owned(), text.to_owned());
         toml::from_str::<Raw>(text).map(drop).map_err(|error| source.syntax(&error))
     }
 
@@ -159,7 +159,7 @@ impl Reader {
     fn read(&mut self, path: &Path, by: Option<(&Source, usize)>) -> Checked<Source> {
         let (_, text) = read_text(path, MAX_MANIFEST_BYTES)?;
         let text = text.strip_prefix('\u{feff}').map(str::to_owned).unwrap_or(text);
-        let source = Source { file: path.display().to_string(), text };
+        let source = Source::new(path.display().to_string(), text);
         let real = path.canonicalize().unwrap_or_else(|_| path.to_owned());
         if let Some((by, at)) = by {
             let found = |what: &str| format!("{:?}, {what}", path.display().to_string());

@@ -3,21 +3,26 @@
 use flb_baker::bake::BakeSettings;
 use flb_scene::extents::Walls;
 
-/// Everything that does not grow with the lattice: the mesh, voxels of the fine grid, textures.
-const BASE_BYTES: u64 = 200_000_000;
+/// Everything that does not grow with the lattice: the program, the mesh, voxels of the fine grid, textures.
+const BASE_BYTES: u64 = 40_000_000;
 /// Of a site: density, class, areas, extinction, and what stages keep beside them for a moment.
 const SITE_BYTES: u64 = 40;
-/// Share of sites with matter that few plants have more of.
+/// Of a site with matter and of a ray through it, while light is solved.
+const RAY_BYTES: u64 = 2_900;
+/// Share of sites with matter on a lattice of 32^3. A finer lattice has matter at a smaller share.
 const MATTER_SHARE: f64 = 0.15;
-/// Of a site with matter, while it is solved.
-const SOLVE_BYTES: u64 = 1_800;
+/// Power of the site's edge that the share goes by.
+const MATTER_POWER: f64 = 0.8;
 
-/// Bytes that the bake of a species with so many bands takes, as is expected from its lattice alone.
-pub(crate) fn memory_bytes(settings: &BakeSettings, bands: usize) -> u64 {
+/// Bytes that the bake of a species with so many bands takes, resident: by the number of sites with matter, or by what
+/// plants have of them on such a lattice.
+pub(crate) fn memory_bytes(settings: &BakeSettings, bands: usize, matter: Option<u64>) -> u64 {
     let sites = u64::from(settings.lattice).pow(3);
-    let fields = sites * settings.items(Walls::None) as u64 * bands as u64 * 4;
-    let matter = (sites as f64 * MATTER_SHARE) as u64;
-    BASE_BYTES + sites * SITE_BYTES + fields + matter * SOLVE_BYTES
+    let fields = sites * u64::from(settings.items(Walls::None)) * bands as u64 * 4;
+    let share = || MATTER_SHARE * libm::pow(32.0 / f64::from(settings.lattice), MATTER_POWER);
+    let matter = matter.unwrap_or_else(|| (sites as f64 * share()) as u64);
+    let lit = u64::from(settings.rays()) * RAY_BYTES;
+    BASE_BYTES + sites * SITE_BYTES + fields + matter * lit
 }
 
 /// Seconds of a bake beside its solves.

@@ -128,6 +128,17 @@ impl BakeSettings {
         }
     }
 
+    /// Number of rays through a site along an ordinate, in all parts of it; 1 for the model `paper`, which has none.
+    pub fn rays(&self) -> u32 {
+        match &self.model {
+            ModelSettings::Physical(physical) => {
+                let solve = physical.solve(self.lattice, Walls::None, BaseSet::ALL);
+                solve.rays.pow(2) * solve.parts.pow(3)
+            }
+            ModelSettings::Paper(_) => 1,
+        }
+    }
+
     /// Number of bands of a plant that is read so.
     pub fn bands(&self, reader: &PlantReader) -> usize {
         match &self.model {

@@ -7,7 +7,7 @@ use std::sync::{Mutex, MutexGuard, PoisonError};
 use std::time::Instant;
 
 use flb_farm::Plan;
-use flb_farm::build::BuildObserver;
+use flb_farm::build::{BuildObserver, BuildSettings};
 use flb_farm::outcome::{Built, Outcome};
 use flb_farm::plan::State as Due;
 use flb_scene::Step;
@@ -22,6 +22,8 @@ use left::Left;
 /// Shows the work on species. `flb library build` and `flb task run` are followed by it.
 pub(crate) struct Shown {
     form: ProgressArg,
+    /// Memory of all that is made at once, bytes.
+    memory_bytes: u64,
     /// Moment at which the work stops.
     deadline: Option<Instant>,
     state: Mutex<State>,
@@ -38,11 +40,11 @@ struct State {
 }
 
 impl Shown {
-    /// For species that `jobs` are made of at once.
-    pub(crate) fn new(form: ProgressArg, jobs: usize, deadline: Option<Instant>) -> Shown {
+    /// For a build with these settings.
+    pub(crate) fn new(form: ProgressArg, settings: &BuildSettings, deadline: Option<Instant>) -> Shown {
         let bars = (form == ProgressArg::Auto && print::is_terminal()).then(Bars::new);
-        let state = State { left: Left::new(jobs), bars, ..State::default() };
-        Shown { form, deadline, state: Mutex::new(state) }
+        let state = State { left: Left::new(settings.jobs), bars, ..State::default() };
+        Shown { form, memory_bytes: settings.memory_bytes, deadline, state: Mutex::new(state) }
     }
 
     fn state(&self) -> MutexGuard<'_, State> {
@@ -71,6 +73,13 @@ impl BuildObserver for Shown {
                 state.total += 1;
             }
             if matches!(planned.state, Due::Due(_)) {
+                let (name, bytes) = (&planned.entry.name, planned.memory_bytes);
+                if bytes > self.memory_bytes {
+                    let [bytes, limit] = [bytes, self.memory_bytes].map(print::bytes);
+                    say!(
+                        "warning: {name}: its bake is expected to take {bytes} of memory, more than {limit} (--memory): it is baked alone"
+                    );
+                }
                 state.left.expect(&planned.entry.name, planned.seconds);
             }
         }

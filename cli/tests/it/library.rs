@@ -69,7 +69,11 @@ fn a_library_is_checked_built_asked_and_built_again() {
     assert_eq!(misfits(&schema("library"), &run), [""; 0], "{run}");
     let change = json!([{ "part": "bake.leaf_angles", "was": "spherical", "is": "planophile" }]);
     assert_eq!((&run["species"][0]["state"], &run["species"][0]["changes"]), (&json!("due"), &change));
-    let run = folder.flb(&["library", "build"]).expect_code(0);
+    let run = folder.flb(&["library", "build", "--memory", "0.001"]).expect_code(0);
+    let run = run.says(&[
+        "shrub-dense: its bake is expected to take ",
+        "more than 1.0 MB (--memory): it is baked alone",
+    ]);
     assert!(run.stdout.contains("1 baked, 0 from the cache, 1 as they were"), "{}", run.stdout);
 }
 

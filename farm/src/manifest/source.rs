@@ -11,16 +11,23 @@ pub(super) type Checked<T> = Result<T, ImportError>;
 pub(super) struct Source {
     pub file: String,
     pub text: String,
+    /// Places of the line feeds.
+    feeds: Vec<usize>,
 }
 
 impl Source {
+    pub(super) fn new(file: String, text: String) -> Source {
+        let feeds = text.bytes().enumerate().filter(|(_, byte)| *byte == b'\n').map(|(at, _)| at).collect();
+        Source { file, text, feeds }
+    }
+
     /// "library.toml: line 12".
     pub(super) fn place(&self, at: usize) -> String {
         format!("{}: line {}", self.file, self.line(at))
     }
 
     fn line(&self, at: usize) -> usize {
-        1 + self.text.as_bytes()[..at.min(self.text.len())].iter().filter(|byte| **byte == b'\n').count()
+        1 + self.feeds.partition_point(|feed| *feed < at)
     }
 
     /// A value that cannot be, at a byte of the text.
