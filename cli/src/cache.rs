@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 use std::time::SystemTime;
 
 use flb_farm::FarmError;
-use flb_farm::cache::{Kept, Limits, beyond, list, remove, verify};
+use flb_farm::cache::{Kept, Limits, beyond, list, remove, species_of, verify};
 use serde::Serialize;
 
 use crate::args::{CacheArgs, CacheCommand, CacheFolder, GcArgs, VerifyArgs};
@@ -86,7 +86,7 @@ impl Entry {
         Entry {
             name: kept.name.clone(),
             kind: kept.kind.clone(),
-            species: kept.species.clone(),
+            species: species_of(kept),
             bytes: kept.bytes,
             days_unused: unused.as_secs() / DAY_S,
         }
@@ -155,23 +155,21 @@ fn collect(args: &GcArgs) -> Result<u8, Failure> {
         return Err(Failure::new(USAGE, "expected --max-size, --older-than or both"));
     }
     let now = SystemTime::now();
-    let gone = beyond(entries(&args.folder)?, &limits, now);
+    let [gone, left] = beyond(entries(&args.folder)?, &limits, now);
+    let bytes: u64 = gone.iter().map(|one| one.bytes).sum();
+    let mut report = Report::of(&args.folder, &left);
+    // Names of species are in what goes.
+    report.removed = Some(gone.iter().map(|one| Entry::of(one, now)).collect());
     if !args.dry_run {
         gone.iter().try_for_each(remove)?;
     }
-    let is_gone = |one: &Kept| gone.iter().any(|other| other.name == one.name);
-    let mut left = entries(&args.folder)?;
-    left.retain(|one| !is_gone(one));
-    let mut report = Report::of(&args.folder, &left);
-    let bytes: u64 = gone.iter().map(|one| one.bytes).sum();
-    report.removed = Some(gone.iter().map(|one| Entry::of(one, now)).collect());
     if args.folder.json {
         print::json(&report)?;
         return Ok(0);
     }
     let would = if args.dry_run { "would remove" } else { "removed" };
-    let (count, bytes, stay) = (gone.len(), print::bytes(bytes), report.line());
-    let (entries, stay) = (report.entries, stay.rsplit(", ").next().unwrap_or_default().trim_end());
+    let (count, entries, [bytes, stay]) =
+        (gone.len(), report.entries, [bytes, report.bytes].map(print::bytes));
     print::out(&line!("{}: {would} {count} entries, {bytes}; {entries} stay, {stay}", report.folder))?;
     Ok(0)
 }

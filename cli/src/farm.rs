@@ -99,9 +99,8 @@ fn write(
     (output, existing): (&Path, Existing),
 ) -> Result<Report, Failure> {
     let read = Manifest::read(&manifest.manifest)?;
-    let tell = |told: &str| say!("{told}");
-    let (store, trust) = library::store(manifest, &tell);
-    let plan: Plan = library::plan(&read, (&store, trust));
+    let (store, trust) = library::store(manifest);
+    let plan = Plan::with_kept_digests(&read, &store, trust);
     let plan = TaskPlan::of(&read, plan, &library::cache_of(manifest), work.chunk)?;
     let folder = std::path::absolute(output).unwrap_or_else(|_| output.to_owned());
     let this = || std::env::current_exe().unwrap_or_else(|_| PathBuf::from("flb"));
@@ -160,8 +159,7 @@ impl Report {
 fn work(args: &TaskRunArgs) -> Result<u8, Failure> {
     let start = Instant::now();
     let plan = TaskPlan::read(&args.plan)?;
-    let tell = |told: &str| say!("{told}");
-    let store = Folder::open(Some(&plan.cache), &tell);
+    let store = Folder::open(Some(&plan.cache), &library::say_told);
     let threads = rayon::current_num_threads();
     let settings = BuildSettings {
         jobs: 1,

@@ -7,8 +7,9 @@ mod shown;
 use std::path::{Path, PathBuf};
 
 use flb_farm::build::{BuildSettings, OnFailure, build, no_species};
-use flb_farm::digests::{Digests, Trust};
+use flb_farm::digests::Trust;
 use flb_farm::init::{self, survey};
+use flb_farm::manifest::OUTPUT;
 use flb_farm::outcome::{Outcome, Summary};
 use flb_farm::output::Output;
 use flb_farm::plan::State;
@@ -40,23 +41,21 @@ pub(crate) fn run(args: &LibraryArgs) -> Result<u8, Failure> {
     }
 }
 
-/// Opens the store of a manifest.
-pub(crate) fn store<'t>(args: &ManifestArgs, tell: &'t (dyn Fn(&str) + Sync)) -> (Folder<'t>, Trust) {
+/// Opens the store of a manifest; what is amiss with it is said on stderr.
+pub(crate) fn store(args: &ManifestArgs) -> (Folder<'static>, Trust) {
     let trust = if args.paranoid { Trust::Nothing } else { Trust::SizeAndTime };
-    (Folder::open(Some(&cache_of(args)), tell), trust)
+    (Folder::open(Some(&cache_of(args)), &say_told), trust)
+}
+
+/// Says what a store tells.
+pub(crate) fn say_told(told: &str) {
+    say!("{told}");
 }
 
 /// Folder of the store of a manifest.
 pub(crate) fn cache_of(args: &ManifestArgs) -> PathBuf {
     let beside = || args.manifest.parent().unwrap_or(Path::new("")).join(CACHE);
     args.cache.clone().unwrap_or_else(beside)
-}
-
-pub(crate) fn plan(manifest: &Manifest, (store, trust): (&Folder, Trust)) -> Plan {
-    let digests = Digests::open(store, trust);
-    let plan = Plan::of(manifest, store, &digests);
-    digests.keep(store);
-    plan
 }
 
 /// Writes a manifest of the meshes in a folder.
@@ -69,7 +68,7 @@ fn init(args: &InitArgs) -> Result<u8, Failure> {
     publish(&output, args.existing, |file| file.write_all(text.as_bytes()))?;
     let species: Vec<SpeciesReport> = all.into_iter().map(SpeciesReport::of_survey).collect();
     species.iter().for_each(SpeciesReport::say_faults);
-    let report = Report::of(&output, &folder.join("library"), species);
+    let report = Report::of(&output, &folder.join(OUTPUT), species);
     let (undecided, failed) = (report.count("undecided"), report.count("failed"));
     let total = report.species.len() - failed;
     match args.json {
@@ -86,9 +85,8 @@ fn init(args: &InitArgs) -> Result<u8, Failure> {
 fn check(args: &ManifestArgs) -> Result<u8, Failure> {
     let manifest = Manifest::read(&args.manifest)?;
     Output::of(&manifest).check()?;
-    let tell = |told: &str| say!("{told}");
-    let (store, trust) = store(args, &tell);
-    let checked = plan(&manifest, (&store, trust)).species.into_iter().map(|planned| {
+    let (store, trust) = store(args);
+    let checked = Plan::with_kept_digests(&manifest, &store, trust).species.into_iter().map(|planned| {
         let read = match (planned.state, planned.job) {
             (State::Failed(error), _) => Err(error),
             (_, Some(job)) => job.read(&Unobserved).map(|read| read.warnings),
@@ -124,9 +122,8 @@ fn show_plan(args: &ManifestArgs, only: &[String]) -> Result<u8, Failure> {
     let is_asked = |entry: &&flb_farm::manifest::Entry| only.is_empty() || only.contains(&entry.name);
     let asked = manifest.species.iter().filter(is_asked).cloned().collect();
     let some = Manifest { species: asked, ..manifest.clone() };
-    let tell = |told: &str| say!("{told}");
-    let (store, trust) = store(args, &tell);
-    let planned = plan(&some, (&store, trust)).species;
+    let (store, trust) = store(args);
+    let planned = Plan::with_kept_digests(&some, &store, trust).species;
     let report = Report::new(&manifest, planned.into_iter().map(SpeciesReport::of_planned).collect());
     match args.json {
         true => print::json(&report)?,
@@ -140,8 +137,7 @@ fn run_build(args: &BuildArgs) -> Result<u8, Failure> {
         return show_plan(&args.manifest, &args.only);
     }
     let manifest = Manifest::read(&args.manifest.manifest)?;
-    let tell = |told: &str| say!("{told}");
-    let (store, trust) = store(&args.manifest, &tell);
+    let (store, trust) = store(&args.manifest);
     let settings = settings(args)?;
     let is_for_machines = matches!(args.progress, ProgressArg::Json | ProgressArg::Openjd);
     if args.manifest.json && is_for_machines {

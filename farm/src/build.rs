@@ -9,7 +9,7 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use flb_scene::Step;
 
 use crate::FarmError;
-use crate::digests::{Digests, Trust};
+use crate::digests::Trust;
 use crate::index::Index;
 use crate::job::Job;
 use crate::make::{Listener, Made, make};
@@ -90,9 +90,7 @@ pub fn build(
             return Err(no_species(manifest, name));
         }
     }
-    let digests = Digests::open(store, trust);
-    let mut plan = Plan::of(manifest, store, &digests);
-    digests.keep(store);
+    let mut plan = Plan::with_kept_digests(manifest, store, trust);
     plan.species.retain(|planned| settings.only.is_empty() || settings.only.contains(&planned.entry.name));
     observer.planned(&plan);
     let species = bring(manifest, plan, settings, store, observer)?;

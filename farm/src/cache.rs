@@ -30,8 +30,6 @@ pub struct Kept {
     pub name: String,
     /// Stage, "species", "parts" for the parts of a key, "left" for what a killed writer left.
     pub kind: String,
-    /// Name of the species, of a species.
-    pub species: Option<String>,
     /// Files of it.
     pub files: Vec<PathBuf>,
     /// Bytes of the files.
@@ -65,7 +63,6 @@ pub fn list(folder: &Path) -> Result<Vec<Kept>, ImportError> {
         let one = kept.entry(name.to_owned()).or_insert_with(|| Kept {
             name: name.to_owned(),
             kind: kind.to_owned(),
-            species: None,
             files: Vec::new(),
             bytes: 0,
             used: UNIX_EPOCH,
@@ -75,10 +72,7 @@ pub fn list(folder: &Path) -> Result<Vec<Kept>, ImportError> {
         one.used = one.used.max(metadata.modified().unwrap_or(UNIX_EPOCH));
     }
     let mut kept: Vec<Kept> = kept.into_values().collect();
-    kept.iter_mut().for_each(|one| {
-        one.files.sort();
-        one.species = record_of(one).ok().map(|record| record.name);
-    });
+    kept.iter_mut().for_each(|one| one.files.sort());
     Ok(kept)
 }
 
@@ -111,6 +105,11 @@ fn record_of(kept: &Kept) -> Result<crate::record::Record, String> {
     sound_record(&read_whole(file_of(kept, "json")?)?, digest)
 }
 
+/// Name of the species that an entry is, if it is one.
+pub fn species_of(kept: &Kept) -> Option<String> {
+    record_of(kept).ok().map(|record| record.name)
+}
+
 /// Whether an entry is what was kept.
 ///
 /// # Errors
@@ -140,24 +139,27 @@ pub fn verify(kept: &Kept) -> Result<(), String> {
 }
 
 /// Entries that go by limits, at a time: those that were not used for so long, then those that were used longest ago.
-/// What a killed writer left goes after a day.
-pub fn beyond(kept: Vec<Kept>, limits: &Limits, now: SystemTime) -> Vec<Kept> {
+/// What a killed writer left goes after a day. Returns what goes and what stays, each by name.
+pub fn beyond(kept: Vec<Kept>, limits: &Limits, now: SystemTime) -> [Vec<Kept>; 2] {
     let age = |one: &Kept| now.duration_since(one.used).unwrap_or_default();
     let is_old = |one: &Kept| match one.kind == LEFT {
         true => age(one) >= WRITING,
         false => limits.older_than.is_some_and(|most| age(one) >= most),
     };
-    let (mut gone, mut rest): (Vec<Kept>, Vec<Kept>) = kept.into_iter().partition(is_old);
+    let (mut gone, rest): (Vec<Kept>, Vec<Kept>) = kept.into_iter().partition(is_old);
     // What may be in the making is none of an entry's bytes, and stays.
-    rest.retain(|one| one.kind != LEFT);
+    let (being_made, mut rest): (Vec<Kept>, Vec<Kept>) = rest.into_iter().partition(|one| one.kind == LEFT);
     let mut bytes: u64 = rest.iter().map(|one| one.bytes).sum();
     rest.sort_by(|a, b| b.used.cmp(&a.used).then_with(|| b.name.cmp(&a.name)));
     while let Some(one) = rest.pop_if(|_| limits.max_bytes.is_some_and(|most| bytes > most)) {
         bytes -= one.bytes;
         gone.push(one);
     }
-    gone.sort_by(|a, b| a.name.cmp(&b.name));
-    gone
+    rest.extend(being_made);
+    for list in [&mut gone, &mut rest] {
+        list.sort_by(|a, b| a.name.cmp(&b.name));
+    }
+    [gone, rest]
 }
 
 /// Removes an entry. A command that uses it meanwhile makes it again.
@@ -186,7 +188,7 @@ mod tests {
     fn kept(name: &str, bytes: u64, days: u64) -> Kept {
         let used = UNIX_EPOCH + Duration::from_hours(24 * (100 - days));
         let kind = name.split('-').next().unwrap_or_default().to_owned();
-        Kept { name: name.to_owned(), kind, species: None, files: Vec::new(), bytes, used }
+        Kept { name: name.to_owned(), kind, files: Vec::new(), bytes, used }
     }
 
     #[test]
@@ -195,8 +197,9 @@ mod tests {
             vec![kept("solve-1", 10, 3), kept("solve-2", 10, 1), kept("solve-3", 10, 2), kept("left", 5, 0)]
         };
         let now = UNIX_EPOCH + Duration::from_hours(24 * 100);
-        let names =
-            |limits: Limits| beyond(all(), &limits, now).into_iter().map(|one| one.name).collect::<Vec<_>>();
+        let names = |limits: Limits| {
+            beyond(all(), &limits, now)[0].clone().into_iter().map(|one| one.name).collect::<Vec<_>>()
+        };
         assert_eq!(names(Limits::default()), [""; 0]);
         let days = |days: u64| Some(Duration::from_hours(24 * days));
         assert_eq!(names(Limits { older_than: days(2), ..Limits::default() }), ["solve-1", "solve-3"]);

@@ -52,7 +52,7 @@ pub(crate) const MAX_NAME_BYTES: usize = 200;
 /// Characters that file names cannot have everywhere.
 pub(crate) const NOT_IN_NAMES: &str = "/\\:*?\"<>|";
 /// Folder of results, unless the manifest names one.
-const OUTPUT: &str = "library";
+pub const OUTPUT: &str = "library";
 
 /// Species to bake, and where to.
 #[derive(Debug, Clone, PartialEq)]

@@ -52,8 +52,7 @@ impl Output {
             let path = self.folder.join(folder);
             let refuse = |source| FileError::Write { path: path.clone(), source };
             fs::create_dir_all(&path).map_err(refuse)?;
-            let probe = path.join(PROBE);
-            fs::write(&probe, b"").and_then(|()| fs::remove_file(&probe)).map_err(refuse)?;
+            check_output(&path.join(PROBE), &[], Existing::Replace)?;
         }
         Ok(())
     }

@@ -5,7 +5,7 @@ use std::path::PathBuf;
 use rayon::prelude::*;
 
 use crate::FarmError;
-use crate::digests::Digests;
+use crate::digests::{Digests, Trust};
 use crate::job::Job;
 use crate::manifest::{Entry, Manifest};
 use crate::output::Output;
@@ -96,6 +96,14 @@ impl Plan {
             species.iter_mut().for_each(|planned| planned.seconds *= took / expected);
         }
         Plan { manifest: manifest.path.clone(), species }
+    }
+
+    /// Looks at every species, with the digests that the store keeps; those that were found are kept.
+    pub fn with_kept_digests(manifest: &Manifest, store: &Folder, trust: Trust) -> Plan {
+        let digests = Digests::open(store, trust);
+        let plan = Plan::of(manifest, store, &digests);
+        digests.keep(store);
+        plan
     }
 
     /// The species of a name.

@@ -12,7 +12,7 @@ use serde::{Deserialize, Serialize};
 
 use crate::FarmError;
 use crate::build::{BuildObserver, BuildSettings, bring};
-use crate::digests::{Digests, Trust};
+use crate::digests::Trust;
 use crate::manifest::Manifest;
 use crate::outcome::Built;
 use crate::plan::{Plan, Planned, State};
@@ -158,9 +158,7 @@ impl TaskPlan {
         let find = |(name, _): &&(String, String)| manifest.find(name).cloned().ok_or_else(|| older(name));
         let species = wanted.iter().map(find).collect::<Result<_, _>>()?;
         let some = Manifest { species, ..manifest.clone() };
-        let digests = Digests::open(store, Trust::SizeAndTime);
-        let plan = Plan::of(&some, store, &digests);
-        digests.keep(store);
+        let plan = Plan::with_kept_digests(&some, store, Trust::SizeAndTime);
         for (planned, (name, key)) in plan.species.iter().zip(wanted) {
             if planned.job.as_ref().is_some_and(|job| job.key != *key) {
                 return Err(older(name));

@@ -5,7 +5,7 @@ use std::path::Path;
 use std::thread;
 use std::time::Duration;
 
-use flb_farm::digests::{Digests, Trust};
+use flb_farm::digests::Trust;
 use flb_farm::emit::PLAN;
 use flb_farm::plan::State;
 use flb_farm::slurm::{self, Queued};
@@ -16,6 +16,7 @@ use flb_farm::{Manifest, Plan};
 use super::Report;
 use crate::args::{LogsArgs, WaitArgs, WorkFolder};
 use crate::exit::{Failure, INPUT_OUTPUT, LOSS, USAGE};
+use crate::library::say_told;
 use crate::print::{self, line, say};
 
 /// What became of the work of a folder.
@@ -31,10 +32,8 @@ struct Status {
 fn status(folder: &Path, queued: &[Queued]) -> Result<Status, Failure> {
     let plan = TaskPlan::read(&folder.join(PLAN))?;
     let manifest = Manifest::read(&plan.manifest)?;
-    let tell = |told: &str| say!("{told}");
-    let store = Folder::open(Some(&plan.cache), &tell);
-    let digests = Digests::open(&store, Trust::SizeAndTime);
-    let planned = Plan::of(&manifest, &store, &digests);
+    let store = Folder::open(Some(&plan.cache), &say_told);
+    let planned = Plan::with_kept_digests(&manifest, &store, Trust::SizeAndTime);
     let mut status = Status {
         output: manifest.output.display().to_string(),
         done: 0,

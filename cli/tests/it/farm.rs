@@ -5,29 +5,17 @@ use std::process::Command;
 use serde_json::json;
 
 use crate::flb::Folder;
+use crate::library::MANIFEST;
 use crate::schema::{misfits, schema};
 
-const MANIFEST: &str = "
-[bake]
-quality = 'draft'
-lattice = 16
-voxels = 64
-
-[[species]]
-mesh = 'shrub.glb'
-
-[[species.variant]]
-name = 'dense'
-bake = { leaf_angles = 'spherical' }
-
-[[species.variant]]
-name = 'fine'
-bake = { lattice = 32 }
-";
+/// One species more, on a finer lattice.
+fn manifest() -> String {
+    format!("{MANIFEST}\n[[species.variant]]\nname = 'fine'\nbake = {{ lattice = 32 }}\n")
+}
 
 fn farm() -> Folder {
     let folder = Folder::with_plants(&["shrub"]);
-    folder.write("library.toml", MANIFEST);
+    folder.write("library.toml", manifest());
     folder
 }
 
@@ -140,7 +128,7 @@ fn a_task_tells_engines_how_far_it_is_and_asks_to_be_run_again() {
     let words = ["farm", "emit", "--format", "openjd", "-o", "work"];
     folder.flb(&words).expect_code(4).says(&["exists already"]);
     // The manifest went on.
-    let newer = MANIFEST.replace("spherical", "planophile");
+    let newer = manifest().replace("spherical", "planophile");
     folder.write("library.toml", newer);
     folder
         .flb_with(&task, &["1-3"])
@@ -152,7 +140,7 @@ fn a_task_tells_engines_how_far_it_is_and_asks_to_be_run_again() {
 fn one_that_fails_is_told_and_the_others_are_made() {
     let folder = farm();
     folder.write("broken.obj", "v 0 0 0\n");
-    folder.write("library.toml", format!("{MANIFEST}\n[[species]]\nmesh = 'broken.obj'\n"));
+    folder.write("library.toml", format!("{}\n[[species]]\nmesh = 'broken.obj'\n", manifest()));
     emit(&folder, "slurm", "work");
     let run = folder.flb(&["task", "run", "work/plan.json", "1-4"]).expect_code(3);
     run.says(&["broken: failed: ", "no triangle is left"]);

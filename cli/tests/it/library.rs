@@ -5,7 +5,8 @@ use serde_json::json;
 use crate::flb::{Folder, names_in};
 use crate::schema::{misfits, schema};
 
-const MANIFEST: &str = "
+/// Two species of a shrub, each baked in a second.
+pub(crate) const MANIFEST: &str = "
 [bake]
 quality = 'draft'
 lattice = 16
