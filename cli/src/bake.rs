@@ -9,7 +9,7 @@ use std::path::Path;
 use flb_baker::bake::{BakeSettings, Baked, bake};
 use flb_baker::plan::Plan;
 use flb_eval::{JudgeSettings, judge_coded};
-use flb_farm::store::Folder;
+use flb_farm::cache::Cache;
 use flb_files::check_unread;
 use flb_format::Codec;
 use flb_packer::{EncodeSettings, encode_species, write_library};
@@ -63,7 +63,7 @@ pub(crate) fn run(args: &BakeArgs) -> Result<u8, Failure> {
     }
     say_device(args)?;
     let tell = |told: &str| say!("{told}");
-    let cache = Folder::open(args.cache.as_deref(), &tell);
+    let cache = Cache::open(args.cache.as_ref(), &tell)?;
     say_other_model(args, &reader);
     let stages = Stages::default();
     let mut coded = Vec::new();
@@ -136,7 +136,7 @@ fn bake_one(
     args: &BakeArgs,
     settings: &BakeSettings,
     reader: &MeshReader,
-    cache: &Folder,
+    cache: &Cache,
     stages: &Stages,
 ) -> Result<One, Failure> {
     let classed = stages.run(Step::Import, name, |_| reader.read_classed(path))?;

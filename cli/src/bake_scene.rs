@@ -2,8 +2,8 @@
 
 use flb_baker::BakeError;
 use flb_baker::bake::{BakedScene, PlantedScene, ScenePlant, SceneSettings, SceneTransport, bake_scene};
+use flb_farm::cache::Cache;
 use flb_farm::recipe::{check_end, check_lattice, ordinates_of};
-use flb_farm::store::Folder;
 use flb_files::check_unread;
 use flb_format::SpeciesFields;
 use flb_packer::{EncodeSettings, encode_species, write_library};
@@ -14,7 +14,7 @@ use serde::Serialize;
 use crate::args::BakeSceneArgs;
 use crate::exit::{Failure, LOSS, USAGE};
 use crate::forest::scene_species;
-use crate::inputs::{check_local, check_output_of, open, read_scene_to_light};
+use crate::inputs::{check_output_of, open, read_scene_to_light};
 use crate::memory::check_bytes;
 use crate::print::{self, line, say};
 use crate::stages::{Stage, Stages};
@@ -78,9 +78,8 @@ pub(crate) fn run(args: &BakeSceneArgs) -> Result<u8, Failure> {
             args.scene.display()
         );
     }
-    args.cache.as_deref().map_or(Ok(()), check_local)?;
     let tell = |told: &str| say!("{told}");
-    let cache = Folder::open(args.cache.as_deref(), &tell);
+    let cache = Cache::open(args.cache.as_ref(), &tell)?;
 
     let baked = bake_scene(&scene, &settings, &cache, &stages).map_err(|error| match error {
         BakeError::Scene(error) => at_scene(error.into()),

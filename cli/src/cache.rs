@@ -1,14 +1,15 @@
-//! `flb cache`: what a folder of results holds, whether it is sound, and what of it may go.
+//! `flb cache`: what a cache holds, whether it is sound, and what of it may go.
 
 use std::collections::BTreeMap;
 use std::time::SystemTime;
 
-use flb_farm::FarmError;
-use flb_farm::cache::{Kept, Limits, beyond, list, remove, species_of, verify};
+use flb_farm::cache::Cache;
+use flb_farm::cache::care::{Kept, Limits, beyond, list, remove, species_of, verify};
 use serde::Serialize;
 
 use crate::args::{CacheArgs, CacheCommand, CacheFolder, GcArgs, VerifyArgs};
 use crate::exit::{Failure, USAGE, VERDICT};
+use crate::library::say_told;
 use crate::print::{self, line, say};
 
 /// Seconds of a day.
@@ -58,13 +59,16 @@ pub(crate) fn run(args: &CacheArgs) -> Result<u8, Failure> {
     }
 }
 
-fn entries(args: &CacheFolder) -> Result<Vec<Kept>, Failure> {
-    Ok(list(&args.folder).map_err(FarmError::from)?)
+/// A cache that is there, and its entries.
+fn entries(args: &CacheFolder) -> Result<(Cache<'static>, Vec<Kept>), Failure> {
+    let cache = Cache::existing(&args.folder, &say_told)?;
+    let kept = list(&cache)?;
+    Ok((cache, kept))
 }
 
 impl Report {
     fn of(args: &CacheFolder, kept: &[Kept]) -> Report {
-        let mut report = Report { folder: args.folder.display().to_string(), ..Report::default() };
+        let mut report = Report { folder: args.folder.to_string(), ..Report::default() };
         for one in kept {
             let kind = report.kinds.entry(one.kind.clone()).or_default();
             kind.entries += 1;
@@ -81,12 +85,12 @@ impl Report {
 }
 
 impl Entry {
-    fn of(kept: &Kept, now: SystemTime) -> Entry {
+    fn of(cache: &Cache, kept: &Kept, now: SystemTime) -> Entry {
         let unused = now.duration_since(kept.used).unwrap_or_default();
         Entry {
             name: kept.name.clone(),
             kind: kept.kind.clone(),
-            species: species_of(kept),
+            species: species_of(cache, kept),
             bytes: kept.bytes,
             days_unused: unused.as_secs() / DAY_S,
         }
@@ -99,11 +103,11 @@ impl Entry {
 }
 
 fn show(args: &CacheFolder, is_list: bool) -> Result<u8, Failure> {
-    let kept = entries(args)?;
+    let (cache, kept) = entries(args)?;
     let now = SystemTime::now();
     let mut report = Report::of(args, &kept);
     if args.json {
-        report.list = is_list.then(|| kept.iter().map(|one| Entry::of(one, now)).collect());
+        report.list = is_list.then(|| kept.iter().map(|one| Entry::of(&cache, one, now)).collect());
         print::json(&report)?;
         return Ok(0);
     }
@@ -111,7 +115,7 @@ fn show(args: &CacheFolder, is_list: bool) -> Result<u8, Failure> {
     match is_list {
         true => {
             rows.push(["entry", "bytes", "unused", "species"].map(str::to_owned).to_vec());
-            rows.extend(kept.iter().map(|one| Entry::of(one, now).cells()));
+            rows.extend(kept.iter().map(|one| Entry::of(&cache, one, now).cells()));
         }
         false => {
             rows.push(["kind", "entries", "bytes"].map(str::to_owned).to_vec());
@@ -127,16 +131,16 @@ fn show(args: &CacheFolder, is_list: bool) -> Result<u8, Failure> {
 
 /// Reads every entry, and says which are not what was kept.
 fn check(args: &VerifyArgs) -> Result<u8, Failure> {
-    let kept = entries(&args.folder)?;
+    let (cache, kept) = entries(&args.folder)?;
     let mut report = Report::of(&args.folder, &kept);
     let mut damaged = Vec::new();
     for one in &kept {
-        let Err(fault) = verify(one) else { continue };
+        let Err(fault) = verify(&cache, one) else { continue };
         let end = if args.remove { "; removed" } else { "" };
         if args.remove {
-            remove(one)?;
+            remove(&cache, one)?;
         }
-        say!("{}: {fault}{end}", args.folder.folder.join(&one.name).display());
+        say!("{}: {fault}{end}", cache.name(&one.name));
         damaged.push(Damaged { name: one.name.clone(), fault, removed: args.remove });
     }
     let count = damaged.len();
@@ -155,13 +159,14 @@ fn collect(args: &GcArgs) -> Result<u8, Failure> {
         return Err(Failure::new(USAGE, "expected --max-size, --older-than or both"));
     }
     let now = SystemTime::now();
-    let [gone, left] = beyond(entries(&args.folder)?, &limits, now);
+    let (cache, kept) = entries(&args.folder)?;
+    let [gone, left] = beyond(kept, &limits, now);
     let bytes: u64 = gone.iter().map(|one| one.bytes).sum();
     let mut report = Report::of(&args.folder, &left);
     // Names of species are in what goes.
-    report.removed = Some(gone.iter().map(|one| Entry::of(one, now)).collect());
+    report.removed = Some(gone.iter().map(|one| Entry::of(&cache, one, now)).collect());
     if !args.dry_run {
-        gone.iter().try_for_each(remove)?;
+        gone.iter().try_for_each(|one| remove(&cache, one))?;
     }
     if args.folder.json {
         print::json(&report)?;

@@ -7,9 +7,9 @@ use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
 
 use flb_farm::build::{BuildSettings, OnFailure};
+use flb_farm::cache::Cache;
 use flb_farm::emit::{EmitSettings, Engine, PLAN, files};
 use flb_farm::outcome::Outcome;
-use flb_farm::store::Folder;
 use flb_farm::tasks::TaskPlan;
 use flb_farm::{Manifest, Plan, slurm};
 use flb_files::{Existing, publish};
@@ -99,9 +99,9 @@ fn write(
     (output, existing): (&Path, Existing),
 ) -> Result<Report, Failure> {
     let read = Manifest::read(&manifest.manifest)?;
-    let (store, trust) = library::store(manifest);
-    let plan = Plan::with_kept_digests(&read, &store, trust);
-    let plan = TaskPlan::of(&read, plan, &library::cache_of(manifest), work.chunk)?;
+    let (cache, trust) = library::cache(manifest)?;
+    let plan = Plan::with_kept_digests(&read, &cache, trust);
+    let plan = TaskPlan::of(&read, plan, &library::place(manifest), work.chunk)?;
     let folder = std::path::absolute(output).unwrap_or_else(|_| output.to_owned());
     let this = || std::env::current_exe().unwrap_or_else(|_| PathBuf::from("flb"));
     let limit_s = work.time.as_deref().and_then(slurm::seconds);
@@ -113,7 +113,7 @@ fn write(
         time: work.time.clone(),
         time_limit_s: limit_s.map(|seconds| seconds - (seconds / 10).min(MARGIN_S)),
     };
-    let files = files(&plan, engine, &settings);
+    let files = files(&plan, engine, &settings)?;
     let refuse = |source| flb_files::FileError::Write { path: folder.clone(), source };
     std::fs::create_dir_all(&folder).map_err(refuse)?;
     let names = files.iter().map(|(name, _)| name.as_str()).chain([PLAN]);
@@ -159,7 +159,7 @@ impl Report {
 fn work(args: &TaskRunArgs) -> Result<u8, Failure> {
     let start = Instant::now();
     let plan = TaskPlan::read(&args.plan)?;
-    let store = Folder::open(Some(&plan.cache), &library::say_told);
+    let cache = Cache::open(Some(&plan.cache()?), &library::say_told)?;
     let threads = rayon::current_num_threads();
     let settings = BuildSettings {
         jobs: 1,
@@ -171,7 +171,7 @@ fn work(args: &TaskRunArgs) -> Result<u8, Failure> {
     let numbers = args.range.clone();
     let deadline = args.time_limit.map(|seconds| start + Duration::from_secs_f64(seconds));
     let observer = Shown::new(args.progress, &settings, deadline);
-    let built = plan.run(numbers, &settings, &store, &observer)?;
+    let built = plan.run(numbers, &settings, &cache, &observer)?;
     let is = |of: fn(&Outcome) -> bool| built.iter().any(|one| of(&one.outcome));
     let (has_failed, is_cut) = (
         is(|outcome| matches!(outcome, Outcome::Failed(_))),

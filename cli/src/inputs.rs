@@ -87,8 +87,8 @@ pub(crate) fn check_local(word: &Path) -> Result<(), Failure> {
     match location.file() {
         Some(_) => Ok(()),
         None => {
-            let message = "found a URL, expected a file of this machine: the .flb files that a command line names \
-                           are all that is read behind URLs";
+            let message = "found a URL, expected a file of this machine: the .flb files that a command line names, \
+                           and --cache, may be URLs";
             Err(Failure::new(USAGE, message).at(&location.name()))
         }
     }

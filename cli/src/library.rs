@@ -4,16 +4,16 @@ mod diff;
 mod report;
 mod shown;
 
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
 use flb_farm::build::{BuildSettings, OnFailure, build, no_species};
+use flb_farm::cache::{Cache, Place};
 use flb_farm::digests::Trust;
 use flb_farm::init::{self, survey};
 use flb_farm::manifest::OUTPUT;
 use flb_farm::outcome::{Outcome, Summary};
 use flb_farm::output::Output;
 use flb_farm::plan::State;
-use flb_farm::store::Folder;
 use flb_farm::{FarmError, Manifest, Plan};
 use flb_files::publish;
 use flb_scene::Unobserved;
@@ -28,8 +28,6 @@ pub(crate) use shown::Shown;
 
 /// Name of a manifest.
 const MANIFEST: &str = "library.toml";
-/// Folder of results beside a manifest.
-const CACHE: &str = ".flb-cache";
 
 pub(crate) fn run(args: &LibraryArgs) -> Result<u8, Failure> {
     match &args.command {
@@ -41,21 +39,20 @@ pub(crate) fn run(args: &LibraryArgs) -> Result<u8, Failure> {
     }
 }
 
-/// Opens the store of a manifest; what is amiss with it is said on stderr.
-pub(crate) fn store(args: &ManifestArgs) -> (Folder<'static>, Trust) {
+/// Opens the cache of a manifest; what is amiss with it is said on stderr.
+pub(crate) fn cache(args: &ManifestArgs) -> Result<(Cache<'static>, Trust), Failure> {
     let trust = if args.paranoid { Trust::Nothing } else { Trust::SizeAndTime };
-    (Folder::open(Some(&cache_of(args)), &say_told), trust)
+    Ok((Cache::open(Some(&place(args)), &say_told)?, trust))
 }
 
-/// Says what a store tells.
+/// Says what a cache tells.
 pub(crate) fn say_told(told: &str) {
     say!("{told}");
 }
 
-/// Folder of the store of a manifest.
-pub(crate) fn cache_of(args: &ManifestArgs) -> PathBuf {
-    let beside = || args.manifest.parent().unwrap_or(Path::new("")).join(CACHE);
-    args.cache.clone().unwrap_or_else(beside)
+/// Place of the cache of a manifest.
+pub(crate) fn place(args: &ManifestArgs) -> Place {
+    args.cache.clone().unwrap_or_else(|| Place::beside(&args.manifest))
 }
 
 /// Writes a manifest of the meshes in a folder.
@@ -85,8 +82,8 @@ fn init(args: &InitArgs) -> Result<u8, Failure> {
 fn check(args: &ManifestArgs) -> Result<u8, Failure> {
     let manifest = Manifest::read(&args.manifest)?;
     Output::of(&manifest).check()?;
-    let (store, trust) = store(args);
-    let checked = Plan::with_kept_digests(&manifest, &store, trust).species.into_iter().map(|planned| {
+    let (cache, trust) = cache(args)?;
+    let checked = Plan::with_kept_digests(&manifest, &cache, trust).species.into_iter().map(|planned| {
         let read = match (planned.state, planned.job) {
             (State::Failed(error), _) => Err(error),
             (_, Some(job)) => job.read(&Unobserved).map(|read| read.warnings),
@@ -122,8 +119,8 @@ fn show_plan(args: &ManifestArgs, only: &[String]) -> Result<u8, Failure> {
     let is_asked = |entry: &&flb_farm::manifest::Entry| only.is_empty() || only.contains(&entry.name);
     let asked = manifest.species.iter().filter(is_asked).cloned().collect();
     let some = Manifest { species: asked, ..manifest.clone() };
-    let (store, trust) = store(args);
-    let planned = Plan::with_kept_digests(&some, &store, trust).species;
+    let (cache, trust) = cache(args)?;
+    let planned = Plan::with_kept_digests(&some, &cache, trust).species;
     let report = Report::new(&manifest, planned.into_iter().map(SpeciesReport::of_planned).collect());
     match args.json {
         true => print::json(&report)?,
@@ -137,14 +134,14 @@ fn run_build(args: &BuildArgs) -> Result<u8, Failure> {
         return show_plan(&args.manifest, &args.only);
     }
     let manifest = Manifest::read(&args.manifest.manifest)?;
-    let (store, trust) = store(&args.manifest);
+    let (cache, trust) = cache(&args.manifest)?;
     let settings = settings(args)?;
     let is_for_machines = matches!(args.progress, ProgressArg::Json | ProgressArg::Openjd);
     if args.manifest.json && is_for_machines {
         return Err(Failure::new(USAGE, "--json and --progress both write to stdout, expected one of them"));
     }
     let shown = Shown::new(args.progress, &settings, None);
-    let summary = build(&manifest, &settings, (&store, trust), &shown)?;
+    let summary = build(&manifest, &settings, (&cache, trust), &shown)?;
     end(args, &manifest, summary)
 }
 

@@ -11,10 +11,10 @@ use std::time::{Duration, Instant};
 
 use flb_baker::bake::NoStore;
 use flb_farm::build::{BuildObserver, BuildSettings, OnFailure, build};
+use flb_farm::cache::{Cache, Place, Tell};
 use flb_farm::digests::{Digests, Trust};
 use flb_farm::job::Job;
 use flb_farm::make::{Listener, make};
-use flb_farm::store::Folder;
 use flb_farm::{Manifest, Plan};
 use flb_fixtures::{PlantKind, grow};
 
@@ -39,12 +39,16 @@ fn settings(jobs: usize, threads: usize) -> BuildSettings {
     BuildSettings { jobs, threads, memory_bytes, only: Vec::new(), on_failure: OnFailure::Stop }
 }
 
+fn cache_of<'t>(folder: &Path, tell: Tell<'t>) -> Cache<'t> {
+    Cache::open(Some(&Place::Folder(folder.join("cache"))), tell).expect("a cache")
+}
+
 /// Builds a folder's library; returns the seconds.
 fn run(folder: &Path, settings: &BuildSettings, trust: Trust) -> f64 {
     let begin = Instant::now();
     let manifest = Manifest::read(&folder.join("library.toml")).expect("a manifest");
     let tell = |told: &str| println!("{told}");
-    let store = Folder::open(Some(&folder.join("cache")), &tell);
+    let store = cache_of(folder, &tell);
     let summary = build(&manifest, settings, (&store, trust), &Quiet).expect("a library");
     assert_eq!(summary.failed().count(), 0);
     begin.elapsed().as_secs_f64()
@@ -74,7 +78,7 @@ fn plan_many(folder: &Path) {
     let begin = Instant::now();
     let manifest = Manifest::read(&folder.join("library.toml")).expect("a manifest");
     let tell = |told: &str| println!("{told}");
-    let store = Folder::open(Some(&folder.join("cache")), &tell);
+    let store = cache_of(folder, &tell);
     let digests = Digests::open(&store, Trust::SizeAndTime);
     let plan = Plan::of(&manifest, &store, &digests);
     assert_eq!(plan.species.len(), PLANNED);
@@ -112,7 +116,7 @@ fn two_at_once(folder: &Path) {
     clear(folder);
     let two_s = run(folder, &settings(2, 2), Trust::SizeAndTime);
     let manifest = Manifest::read(&folder.join("library.toml")).expect("a manifest");
-    let nothing = Folder::open(None, &|_| {});
+    let nothing = Cache::none(&|_| {});
     let digests = Digests::open(&nothing, Trust::Nothing);
     let pool = rayon::ThreadPoolBuilder::new().num_threads(1).build().expect("a thread");
     let begin = Instant::now();
@@ -160,7 +164,7 @@ fn memory(folder: &Path) {
             fs::write(folder.join("library.toml"), text).expect("a file");
             let expected = || {
                 let manifest = Manifest::read(&folder.join("library.toml")).expect("a manifest");
-                let nothing = Folder::open(None, &|_| {});
+                let nothing = Cache::none(&|_| {});
                 let plan = Plan::of(&manifest, &nothing, &Digests::open(&nothing, Trust::Nothing));
                 plan.species[0].memory_bytes as f64 / 1e6
             };

@@ -9,6 +9,7 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use flb_scene::Step;
 
 use crate::FarmError;
+use crate::cache::Cache;
 use crate::digests::Trust;
 use crate::index::Index;
 use crate::job::Job;
@@ -20,7 +21,6 @@ use crate::output::{self, Output};
 use crate::plan::{Plan, Planned, State, Why};
 use crate::publish::write_all;
 use crate::record::Record;
-use crate::store::Folder;
 
 /// Consequence of a species that cannot be made.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
@@ -80,20 +80,20 @@ pub trait BuildObserver: Sync {
 pub fn build(
     manifest: &Manifest,
     settings: &BuildSettings,
-    cache: (&Folder, Trust),
+    cache: (&Cache, Trust),
     observer: &dyn BuildObserver,
 ) -> Result<Summary, FarmError> {
-    let (store, trust) = cache;
+    let (cache, trust) = cache;
     let output = Output::of(manifest);
     for name in &settings.only {
         if manifest.find(name).is_none() {
             return Err(no_species(manifest, name));
         }
     }
-    let mut plan = Plan::with_kept_digests(manifest, store, trust);
+    let mut plan = Plan::with_kept_digests(manifest, cache, trust);
     plan.species.retain(|planned| settings.only.is_empty() || settings.only.contains(&planned.entry.name));
     observer.planned(&plan);
-    let species = bring(manifest, plan, settings, store, observer)?;
+    let species = bring(manifest, plan, settings, cache, observer)?;
     let (index, old) = (Index::of(manifest, &output, &species), Index::read(&output));
     let library_bytes = write_all(manifest, &output, index, old, &species)?;
     let left_over = output.built().into_iter().filter(|name| manifest.find(name).is_none()).collect();
@@ -105,12 +105,12 @@ pub(crate) fn bring(
     manifest: &Manifest,
     plan: Plan,
     settings: &BuildSettings,
-    store: &Folder,
+    cache: &Cache,
     observer: &dyn BuildObserver,
 ) -> Result<Vec<Built>, FarmError> {
     let output = Output::of(manifest);
     output.prepare()?;
-    let work = Work { output: &output, store, observer, has_failed: AtomicBool::new(false) };
+    let work = Work { output: &output, cache, observer, has_failed: AtomicBool::new(false) };
     schedule::run(plan.species, settings, &work)
 }
 
@@ -124,7 +124,7 @@ pub fn no_species(manifest: &Manifest, name: &str) -> FarmError {
 /// What every species of a build is given.
 struct Work<'a> {
     output: &'a Output,
-    store: &'a Folder<'a>,
+    cache: &'a Cache<'a>,
     observer: &'a dyn BuildObserver,
     /// Whether one has failed that stops the others.
     has_failed: AtomicBool,
@@ -161,21 +161,21 @@ impl Work<'_> {
         built
     }
 
-    /// Copies a species from the store, or makes it where the store's copy is damaged.
+    /// Copies a species from the cache, or makes it where the cache's copy is damaged.
     fn stored(&self, job: &Job, record: Record) -> Result<(Outcome, Record), FarmError> {
         let entry = format!("species-{}.flb", job.key);
-        let file = self.store.read(&entry);
+        let file = self.cache.read(&entry);
         let is_sound = |file: &Vec<u8>| blake3::hash(file).to_hex().as_str() == record.facts.blake3;
         let Some(file) = file.filter(|file| {
             let sound = is_sound(file);
             if !sound {
-                self.store.damaged(&entry, "has other bytes than were kept");
+                self.cache.damaged(&entry, "has other bytes than were kept");
             }
             sound
         }) else {
             return self.made(job, Why::Lost);
         };
-        let read = |kind: &str| self.store.read(&format!("species-{}.{kind}", job.key)).unwrap_or_default();
+        let read = |kind: &str| self.cache.read(&format!("species-{}.{kind}", job.key)).unwrap_or_default();
         let log = String::from_utf8_lossy(&read("log")).into_owned();
         self.publish(&Made { file, record: record.clone(), picture: read("png"), log })?;
         Ok((Outcome::Stored, record))
@@ -183,8 +183,8 @@ impl Work<'_> {
 
     fn made(&self, job: &Job, why: Why) -> Result<(Outcome, Record), FarmError> {
         let listener = Followed { work: self, species: &job.entry.name };
-        let made = make(job, self.store, &listener)?;
-        let keep = |kind: &str, bytes: &[u8]| self.store.write(&format!("species-{}.{kind}", job.key), bytes);
+        let made = make(job, self.cache, &listener)?;
+        let keep = |kind: &str, bytes: &[u8]| self.cache.write(&format!("species-{}.{kind}", job.key), bytes);
         keep("flb", &made.file);
         keep("png", &made.picture);
         keep("log", made.log.as_bytes());

@@ -12,9 +12,9 @@ use flb_scene::ImportError;
 use flb_scene::import::named_files;
 use serde::{Deserialize, Serialize};
 
-use crate::store::Folder;
+use crate::cache::Cache;
 
-/// Name in the store.
+/// Name in the cache.
 pub(crate) const NAME: &str = "digests.json";
 /// A file that was written so short a time before it is looked at may be written again in the same tick of its clock.
 const TICK: Duration = Duration::from_secs(2);
@@ -59,23 +59,23 @@ pub struct Found {
 }
 
 impl Digests {
-    /// Reads the digests that a store keeps.
-    pub fn open(store: &Folder, trust: Trust) -> Digests {
+    /// Reads the digests that a cache keeps.
+    pub fn open(cache: &Cache, trust: Trust) -> Digests {
         let kept = match trust {
-            Trust::SizeAndTime => store.read(NAME).and_then(|bytes| serde_json::from_slice(&bytes).ok()),
+            Trust::SizeAndTime => cache.read(NAME).and_then(|bytes| serde_json::from_slice(&bytes).ok()),
             Trust::Nothing => None,
         };
         Digests { trust, kept: kept.unwrap_or_default(), found: Mutex::default() }
     }
 
     /// Keeps what was found, in place of what was kept.
-    pub fn keep(&self, store: &Folder) {
+    pub fn keep(&self, cache: &Cache) {
         let found = self.found.lock().expect("no holder panics");
         let mut all: BTreeMap<&PathBuf, &Known> = self.kept.iter().collect();
         all.extend(found.iter());
         let is_changed = found.iter().any(|(path, known)| self.kept.get(path) != Some(known));
         if is_changed && let Ok(bytes) = serde_json::to_vec(&all) {
-            store.write(NAME, &bytes);
+            cache.write(NAME, &bytes);
         }
     }
 

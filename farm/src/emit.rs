@@ -7,7 +7,8 @@ mod slurm;
 use std::ops::RangeInclusive;
 use std::path::{Path, PathBuf};
 
-use crate::tasks::TaskPlan;
+use crate::FarmError;
+use crate::tasks::{TaskPlan, text_of};
 
 /// Name of the plan beside the files of an engine.
 pub const PLAN: &str = "plan.json";
@@ -43,12 +44,21 @@ pub struct EmitSettings {
 }
 
 /// The files of an engine, by name; the plan itself is not among them.
-pub fn files(plan: &TaskPlan, engine: Engine, settings: &EmitSettings) -> Vec<(String, String)> {
-    match engine {
+///
+/// # Errors
+/// [`FarmError::NotText`].
+pub fn files(
+    plan: &TaskPlan,
+    engine: Engine,
+    settings: &EmitSettings,
+) -> Result<Vec<(String, String)>, FarmError> {
+    text_of(&settings.program)?;
+    text_of(&settings.folder)?;
+    Ok(match engine {
         Engine::Commands => vec![("commands.txt".to_owned(), commands::text(plan, settings))],
         Engine::OpenJd => vec![("job.json".to_owned(), openjd::text(plan, settings))],
         Engine::Slurm => slurm::scripts(plan, settings),
-    }
+    })
 }
 
 /// Tasks of each array of Slurm, numbers from 1, in the order in which they are submitted.
@@ -71,7 +81,7 @@ impl EmitSettings {
 
     /// The command that ends the work: what tasks left is made, then the file of all, index and page.
     fn finish(&self, plan: &TaskPlan) -> Vec<String> {
-        let (manifest, cache) = (shown(&plan.manifest), shown(&plan.cache));
+        let (manifest, cache) = (shown(&plan.manifest), plan.cache.clone());
         let cores = self.cores.to_string();
         let head = [&shown(&self.program), "--threads", &cores, "library", "build", &manifest];
         let end = ["--cache", &cache, "--keep-going"];

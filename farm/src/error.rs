@@ -5,7 +5,7 @@ use std::path::PathBuf;
 use flb_baker::BakeError;
 use flb_files::FileError;
 use flb_packer::PackError;
-use flb_runtime::RuntimeError;
+use flb_runtime::{LocationError, RuntimeError};
 use flb_scene::ImportError;
 use flb_stage::StageError;
 
@@ -123,6 +123,23 @@ pub enum FarmError {
         found: String,
         /// Content that is required.
         expected: String,
+    },
+    /// A path that is no text, where files for engines would hold it.
+    #[error("{}: found a path that is no UTF-8, expected one that a plan of tasks can hold", path.display())]
+    NotText {
+        /// The path.
+        path: PathBuf,
+    },
+    /// A cache that is named by no folder and no bucket.
+    #[error(transparent)]
+    Location(#[from] LocationError),
+    /// A bucket that does not do what is asked of it.
+    #[error("{url}: {error}")]
+    Bucket {
+        /// URL of the cache.
+        url: String,
+        /// The error.
+        error: String,
     },
     /// Light that takes more memory than there may be.
     #[error("{0}")]

@@ -5,13 +5,14 @@
 //! ```
 //!
 //! Each species is one task. Its [key](parts::Parts::key) is the digest of all that its file depends on, by name, so
-//! that a build can say [why](plan::Why) it works. Results lie in a [store](store::Folder) under their keys, and so do
+//! that a build can say [why](plan::Why) it works. Results lie in a [cache](cache::Cache) under their keys, and so do
 //! those of the stages of each bake. A build that is killed goes on where it was: nothing is written half, and nothing
 //! that was finished is done again.
 //!
 //! ```
 //! use flb_farm::build::{BuildObserver, BuildSettings, OnFailure, build};
-//! use flb_farm::{Manifest, digests::Trust, store::Folder};
+//! use flb_farm::cache::{Cache, Place};
+//! use flb_farm::{Manifest, digests::Trust};
 //!
 //! struct Quiet;
 //! impl BuildObserver for Quiet {}
@@ -24,7 +25,7 @@
 //! # std::fs::write(folder.join("library.toml"), format!("[[species]]\nmesh = 'card.obj'\n{small}"))?;
 //! let manifest = Manifest::read(&folder.join("library.toml"))?;
 //! let tell = |told: &str| eprintln!("{told}");
-//! let store = Folder::open(Some(&folder.join("cache")), &tell);
+//! let cache = Cache::open(Some(&Place::parse(folder.join("cache"))?), &tell)?;
 //! let settings = BuildSettings {
 //!     jobs: 2,
 //!     threads: 2,
@@ -32,7 +33,7 @@
 //!     only: Vec::new(),
 //!     on_failure: OnFailure::KeepGoing,
 //! };
-//! let summary = build(&manifest, &settings, (&store, Trust::SizeAndTime), &Quiet)?;
+//! let summary = build(&manifest, &settings, (&cache, Trust::SizeAndTime), &Quiet)?;
 //! assert_eq!(summary.failed().count(), 0);
 //! assert!(folder.join("library/species/card.flb").is_file());
 //! # Ok(())
@@ -65,7 +66,6 @@ mod publish;
 pub mod recipe;
 pub mod record;
 pub mod slurm;
-pub mod store;
 pub mod tasks;
 
 pub use error::FarmError;

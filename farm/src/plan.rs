@@ -1,10 +1,11 @@
-//! Plan of a build: for each species whether its file is there, is kept in the store, or has to be made, and why.
+//! Plan of a build: for each species whether its file is there, is kept in the cache, or has to be made, and why.
 
 use std::path::PathBuf;
 
 use rayon::prelude::*;
 
 use crate::FarmError;
+use crate::cache::Cache;
 use crate::digests::{Digests, Trust};
 use crate::job::Job;
 use crate::manifest::{Entry, Manifest};
@@ -12,14 +13,13 @@ use crate::output::Output;
 use crate::parts::{Change, redone};
 use crate::predict;
 use crate::record::Record;
-use crate::store::Folder;
 
 /// Work that is due for a species.
 #[derive(Debug)]
 pub enum State {
     /// The file is there, made of these very parts.
     Current(Box<Record>),
-    /// The store has the file.
+    /// The cache has the file.
     Stored(Box<Record>),
     /// The species has to be made.
     Due(Why),
@@ -34,7 +34,7 @@ pub enum Why {
     New,
     /// Parts are others than those of the file that is there.
     Changed(Vec<Change>),
-    /// The file is gone or has other bytes than were written, and the store does not have it either.
+    /// The file is gone or has other bytes than were written, and the cache does not have it either.
     Lost,
 }
 
@@ -64,12 +64,12 @@ pub struct Plan {
 
 impl Plan {
     /// Looks at every species: reads species files, and digests of meshes as far as they are not known.
-    pub fn of(manifest: &Manifest, store: &Folder, digests: &Digests) -> Plan {
+    pub fn of(manifest: &Manifest, cache: &Cache, digests: &Digests) -> Plan {
         let output = Output::of(manifest);
         let plan = |entry: &Entry| {
             let (job, state) = match Job::new(entry, digests) {
                 Ok(job) => {
-                    let state = state(&job, &output, store, digests);
+                    let state = state(&job, &output, cache, digests);
                     (Some(job), state)
                 }
                 Err(error) => (None, State::Failed(error)),
@@ -98,11 +98,13 @@ impl Plan {
         Plan { manifest: manifest.path.clone(), species }
     }
 
-    /// Looks at every species, with the digests that the store keeps; those that were found are kept.
-    pub fn with_kept_digests(manifest: &Manifest, store: &Folder, trust: Trust) -> Plan {
-        let digests = Digests::open(store, trust);
-        let plan = Plan::of(manifest, store, &digests);
-        digests.keep(store);
+    /// Looks at every species, with the digests of files that are kept; those that were found are kept.
+    pub fn with_kept_digests(manifest: &Manifest, cache: &Cache, trust: Trust) -> Plan {
+        let own = cache.of_machine(&manifest.path);
+        let of_files = own.as_ref().unwrap_or(cache);
+        let digests = Digests::open(of_files, trust);
+        let plan = Plan::of(manifest, cache, &digests);
+        digests.keep(of_files);
         plan
     }
 
@@ -112,11 +114,11 @@ impl Plan {
     }
 }
 
-/// The record of a key, if the store has one that is sound.
-pub(crate) fn stored_record(store: &Folder, key: &str) -> Option<Record> {
+/// The record of a key, if the cache has one that is sound.
+pub(crate) fn stored_record(cache: &Cache, key: &str) -> Option<Record> {
     let entry = format!("species-{key}.json");
-    let bytes = store.read(&entry)?;
-    sound_record(&bytes, key).inspect_err(|fault| store.damaged(&entry, fault)).ok()
+    let bytes = cache.read(&entry)?;
+    sound_record(&bytes, key).inspect_err(|fault| cache.damaged(&entry, fault)).ok()
 }
 
 /// The record of a key, in bytes that may be anything.
@@ -128,7 +130,7 @@ pub(crate) fn sound_record(bytes: &[u8], key: &str) -> Result<Record, String> {
     }
 }
 
-fn state(job: &Job, output: &Output, store: &Folder, digests: &Digests) -> State {
+fn state(job: &Job, output: &Output, cache: &Cache, digests: &Digests) -> State {
     let name = &job.entry.name;
     let built = output.record(name);
     if let Some(record) = &built
@@ -138,7 +140,7 @@ fn state(job: &Job, output: &Output, store: &Folder, digests: &Digests) -> State
         return State::Current(Box::new(record.clone()));
     }
     if let Some(record) =
-        stored_record(store, &job.key).filter(|_| store.has(&format!("species-{}.flb", job.key)))
+        stored_record(cache, &job.key).filter(|_| cache.has(&format!("species-{}.flb", job.key)))
     {
         return State::Stored(Box::new(record));
     }

@@ -1,4 +1,4 @@
-//! The work of a library as tasks that an engine runs, each on any machine that sees the manifest, the store and the
+//! The work of a library as tasks that an engine runs, each on any machine that sees the manifest, the cache and the
 //! output: what is due, a few species a task, with the memory and the seconds that are expected.
 //!
 //! A task may be run again at any time: what is there is not made again.
@@ -12,11 +12,11 @@ use serde::{Deserialize, Serialize};
 
 use crate::FarmError;
 use crate::build::{BuildObserver, BuildSettings, bring};
+use crate::cache::{Cache, Place};
 use crate::digests::Trust;
 use crate::manifest::Manifest;
 use crate::outcome::Built;
 use crate::plan::{Plan, Planned, State};
-use crate::store::Folder;
 
 /// Version of the text of a plan.
 const SCHEMA: u32 = 1;
@@ -34,8 +34,8 @@ pub struct TaskPlan {
     pub tool: String,
     /// The manifest.
     pub manifest: PathBuf,
-    /// Folder of the store.
-    pub cache: PathBuf,
+    /// The cache: a folder or a URL.
+    pub cache: String,
     /// Tasks; the first is number 1. Those that take most memory come first, and of these the longest.
     pub tasks: Vec<Task>,
 }
@@ -56,8 +56,8 @@ impl TaskPlan {
     /// Makes tasks of what a plan finds due. A task takes `chunk_s` seconds or more where there are species enough.
     ///
     /// # Errors
-    /// The error of the first species that cannot be made.
-    pub fn of(manifest: &Manifest, plan: Plan, cache: &Path, chunk_s: f64) -> Result<TaskPlan, FarmError> {
+    /// The error of the first species that cannot be made; [`FarmError::NotText`].
+    pub fn of(manifest: &Manifest, plan: Plan, cache: &Place, chunk_s: f64) -> Result<TaskPlan, FarmError> {
         let mut due: Vec<(Planned, String)> = Vec::new();
         for planned in plan.species {
             match (planned.state, &planned.job) {
@@ -86,14 +86,25 @@ impl TaskPlan {
                 }
             }
         }
-        Ok(TaskPlan::of_tasks(&manifest.path, cache, tasks))
+        TaskPlan::of_tasks(&manifest.path, cache, tasks)
     }
 
     /// Makes a plan of these tasks. Paths become whole ones.
-    pub(crate) fn of_tasks(manifest: &Path, cache: &Path, tasks: Vec<Task>) -> TaskPlan {
-        let whole = |path: &Path| std::path::absolute(path).unwrap_or_else(|_| path.to_owned());
+    pub(crate) fn of_tasks(manifest: &Path, cache: &Place, tasks: Vec<Task>) -> Result<TaskPlan, FarmError> {
+        let manifest = std::path::absolute(manifest).unwrap_or_else(|_| manifest.to_owned());
+        text_of(&manifest)?;
+        let cache = cache.absolute();
+        cache.folder().map(text_of).transpose()?;
         let tool = concat!("flb ", env!("CARGO_PKG_VERSION")).to_owned();
-        TaskPlan { schema: SCHEMA, tool, manifest: whole(manifest), cache: whole(cache), tasks }
+        Ok(TaskPlan { schema: SCHEMA, tool, manifest, cache: cache.to_string(), tasks })
+    }
+
+    /// Place of the cache.
+    ///
+    /// # Errors
+    /// [`FarmError::Location`] for a URL that this program cannot read.
+    pub fn cache(&self) -> Result<Place, FarmError> {
+        Ok(Place::parse(&self.cache)?)
     }
 
     /// Reads a plan.
@@ -143,7 +154,7 @@ impl TaskPlan {
         &self,
         tasks: RangeInclusive<usize>,
         settings: &BuildSettings,
-        store: &Folder,
+        cache: &Cache,
         observer: &dyn BuildObserver,
     ) -> Result<Vec<Built>, FarmError> {
         let (first, last) = (*tasks.start(), *tasks.end());
@@ -158,13 +169,21 @@ impl TaskPlan {
         let find = |(name, _): &&(String, String)| manifest.find(name).cloned().ok_or_else(|| older(name));
         let species = wanted.iter().map(find).collect::<Result<_, _>>()?;
         let some = Manifest { species, ..manifest.clone() };
-        let plan = Plan::with_kept_digests(&some, store, Trust::SizeAndTime);
+        let plan = Plan::with_kept_digests(&some, cache, Trust::SizeAndTime);
         for (planned, (name, key)) in plan.species.iter().zip(wanted) {
             if planned.job.as_ref().is_some_and(|job| job.key != *key) {
                 return Err(older(name));
             }
         }
         observer.planned(&plan);
-        bring(&some, plan, settings, store, observer)
+        bring(&some, plan, settings, cache, observer)
     }
+}
+
+/// A path as files of engines hold it.
+///
+/// # Errors
+/// [`FarmError::NotText`].
+pub fn text_of(path: &Path) -> Result<&str, FarmError> {
+    path.to_str().ok_or_else(|| FarmError::NotText { path: path.to_owned() })
 }

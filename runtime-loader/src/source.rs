@@ -22,7 +22,8 @@ pub use mapped::MappedSource;
 pub use remote::replay;
 #[cfg(feature = "remote")]
 pub use remote::{
-    EnvironmentError, HEAD_BYTES, RemoteError, RemoteSettings, RemoteSource, RemoteUrl, is_private,
+    Bucket, BucketError, EnvironmentError, HEAD_BYTES, Listed, MAX_OBJECT_BYTES, RemoteError, RemoteSettings,
+    RemoteSource, RemoteUrl, Writing, is_private,
 };
 pub use replaced::{ATTEMPTS, Replaced, is_replaced, retry_replaced};
 

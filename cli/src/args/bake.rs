@@ -3,11 +3,12 @@
 use std::path::PathBuf;
 
 use clap::{ArgAction, Args, ValueEnum};
+use flb_farm::cache::Place;
 use flb_files::Existing;
 use flb_stage::backend::GpuCount;
 
 use super::gpu_count::gpu_count;
-use super::values::existing;
+use super::values::{cache_place, existing};
 use super::{CodingArgs, MeshArgs, ModelArgs};
 use flb_format::Quality;
 
@@ -77,9 +78,10 @@ pub(crate) struct BakeArgs {
     /// Also write the uncoded fields, for `flb pack`
     #[arg(long, value_name = "FILE.flb")]
     pub keep_fields: Option<PathBuf>,
-    /// Folder that keeps stage results; a later bake with the same inputs and settings reuses them
-    #[arg(long, value_name = "DIR")]
-    pub cache: Option<PathBuf>,
+    /// Folder that keeps stage results, or s3://BUCKET/PREFIX; a later bake with the same inputs and settings reuses
+    /// them
+    #[arg(long, value_name = "DIR", value_parser = cache_place())]
+    pub cache: Option<Place>,
     /// Overwrite files that are there already
     #[arg(long = "force", action = ArgAction::SetTrue, value_parser = existing())]
     pub existing: Existing,

@@ -4,11 +4,12 @@ use std::path::PathBuf;
 
 use clap::{ArgAction, Args};
 use flb_baker::SceneSettings;
+use flb_farm::cache::Place;
 use flb_files::Existing;
 use flb_transport::ordinates::NamedSuns;
 
 use super::MemoryArgs;
-use super::values::existing;
+use super::values::{cache_place, existing};
 
 #[derive(Args)]
 pub(crate) struct BakeSceneArgs {
@@ -34,9 +35,10 @@ pub(crate) struct BakeSceneArgs {
     /// Passes, or sweeps of the papers' lattice, after which a solve gives up
     #[arg(long, default_value_t = SceneSettings::default().max_passes, value_name = "N")]
     pub max_sweeps: u32,
-    /// Folder that keeps the light of species alone: when plants move, only the scene's own is solved again
-    #[arg(long, value_name = "DIR")]
-    pub cache: Option<PathBuf>,
+    /// Folder that keeps the light of species alone, or s3://BUCKET/PREFIX: when plants move, only the scene's own is
+    /// solved again
+    #[arg(long, value_name = "DIR", value_parser = cache_place())]
+    pub cache: Option<Place>,
     #[command(flatten)]
     pub memory: MemoryArgs,
     /// Overwrite the output if it is there already

@@ -1,11 +1,11 @@
 //! Arguments of `flb cache`.
 
-use std::path::PathBuf;
 use std::time::Duration;
 
 use clap::{Args, Subcommand};
+use flb_farm::cache::Place;
 
-use super::values::{byte_count, duration};
+use super::values::{byte_count, cache_place, duration};
 
 #[derive(Args)]
 #[command(after_help = "Schema of what --json prints: cli/schema/cache.json")]
@@ -28,9 +28,9 @@ pub(crate) enum CacheCommand {
 
 #[derive(Args)]
 pub(crate) struct CacheFolder {
-    /// Folder that keeps results
-    #[arg(default_value = ".flb-cache", value_name = "DIR")]
-    pub folder: PathBuf,
+    /// Folder that keeps results, or s3://BUCKET/PREFIX
+    #[arg(default_value = ".flb-cache", value_name = "DIR", value_parser = cache_place())]
+    pub folder: Place,
     /// Print what was found as JSON (schema: cli/schema/cache.json)
     #[arg(long)]
     pub json: bool,

@@ -3,10 +3,11 @@
 use std::path::PathBuf;
 
 use clap::{ArgAction, Args, Subcommand, ValueEnum};
+use flb_farm::cache::Place;
 use flb_files::Existing;
 
 use super::MemoryArgs;
-use super::values::{existing, share};
+use super::values::{cache_place, existing, share};
 
 #[derive(Args)]
 #[command(after_help = "Schema of what --json prints: cli/schema/library.json")]
@@ -53,9 +54,9 @@ pub(crate) struct ManifestArgs {
     /// The manifest
     #[arg(default_value = "library.toml", value_name = "LIBRARY.toml")]
     pub manifest: PathBuf,
-    /// Folder that keeps results [default: .flb-cache beside the manifest]
-    #[arg(long, value_name = "DIR")]
-    pub cache: Option<PathBuf>,
+    /// Folder that keeps results, or s3://BUCKET/PREFIX [default: .flb-cache beside the manifest]
+    #[arg(long, value_name = "DIR", value_parser = cache_place())]
+    pub cache: Option<Place>,
     /// Read every file, though its size and time are those of the last build
     #[arg(long)]
     pub paranoid: bool,

@@ -2,7 +2,8 @@
 
 use std::time::Duration;
 
-use clap::builder::{BoolValueParser, TypedValueParser};
+use clap::builder::{BoolValueParser, OsStringValueParser, TypedValueParser};
+use flb_farm::cache::Place;
 use flb_files::Existing;
 
 /// Most stops of exposure, up and down.
@@ -11,6 +12,11 @@ const MAX_STOPS: f32 = 100.0;
 /// Whether `--force` is there.
 pub(super) fn existing() -> impl TypedValueParser<Value = Existing> {
     BoolValueParser::new().map(|is_forced| if is_forced { Existing::Replace } else { Existing::Keep })
+}
+
+/// A folder or a bucket.
+pub(super) fn cache_place() -> impl TypedValueParser<Value = Place> {
+    OsStringValueParser::new().try_map(Place::parse)
 }
 
 /// A share from 0 up: `1%` or `0.01`.

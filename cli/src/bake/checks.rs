@@ -10,7 +10,7 @@ use super::model::recipe;
 use crate::args::{BackendArg, BakeArgs, SolverArg};
 use crate::classes::MeshReader;
 use crate::exit::{Failure, USAGE};
-use crate::inputs::{check_local, check_output};
+use crate::inputs::check_output;
 
 /// The names of the species; refuses two meshes that would make species of one name.
 pub(crate) fn check_names(args: &BakeArgs, reader: &MeshReader) -> Result<Vec<String>, Failure> {
@@ -55,7 +55,6 @@ pub(crate) fn check_settings(args: &BakeArgs) -> Result<(), Failure> {
     for output in [Some(&args.output), args.keep_fields.as_ref()].into_iter().flatten() {
         check_output(output, &inputs, args.existing)?;
     }
-    args.cache.as_deref().map_or(Ok(()), check_local)?;
     match &args.keep_fields {
         Some(fields) => Ok(flb_files::check_distinct(&args.output, fields)?),
         None => Ok(()),

@@ -26,7 +26,7 @@ impl From<FarmError> for Failure {
             FarmError::File(error) => error.into(),
             FarmError::Changed { .. } => Failure::new(INPUT_OUTPUT, error),
             FarmError::TaskPlan { .. } | FarmError::Older { .. } => Failure::new(VERDICT, error),
-            FarmError::Engine { .. } => Failure::new(INPUT_OUTPUT, error),
+            FarmError::Engine { .. } | FarmError::Bucket { .. } => Failure::new(INPUT_OUTPUT, error),
             FarmError::Unsound { .. } => Failure::new(INTERNAL, error),
             FarmError::Library { .. } => Failure::new(VERDICT, error),
             FarmError::Room(_) | FarmError::Threads(_) => Failure::new(LIMIT, error),

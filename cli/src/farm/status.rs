@@ -5,11 +5,11 @@ use std::path::Path;
 use std::thread;
 use std::time::Duration;
 
+use flb_farm::cache::Cache;
 use flb_farm::digests::Trust;
 use flb_farm::emit::PLAN;
 use flb_farm::plan::State;
 use flb_farm::slurm::{self, Queued};
-use flb_farm::store::Folder;
 use flb_farm::tasks::TaskPlan;
 use flb_farm::{Manifest, Plan};
 
@@ -32,8 +32,8 @@ struct Status {
 fn status(folder: &Path, queued: &[Queued]) -> Result<Status, Failure> {
     let plan = TaskPlan::read(&folder.join(PLAN))?;
     let manifest = Manifest::read(&plan.manifest)?;
-    let store = Folder::open(Some(&plan.cache), &say_told);
-    let planned = Plan::with_kept_digests(&manifest, &store, Trust::SizeAndTime);
+    let cache = Cache::open(Some(&plan.cache()?), &say_told)?;
+    let planned = Plan::with_kept_digests(&manifest, &cache, Trust::SizeAndTime);
     let mut status = Status {
         output: manifest.output.display().to_string(),
         done: 0,

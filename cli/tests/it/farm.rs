@@ -4,7 +4,7 @@ use std::process::Command;
 
 use serde_json::json;
 
-use crate::flb::Folder;
+use crate::flb::{Folder, python};
 use crate::library::MANIFEST;
 use crate::schema::{misfits, schema};
 
@@ -66,14 +66,7 @@ fn commands_make_what_a_build_makes() {
 
 /// openjd-cli: as scripts/setup installs it.
 fn openjd(folder: &Folder, words: &[&str]) -> String {
-    let target = std::env::var_os("CARGO_TARGET_DIR").map(std::path::PathBuf::from);
-    let root = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("..");
-    let packages =
-        target.map_or_else(|| root.join("target"), |target| root.join(target)).join("tools/openjd");
-    assert!(packages.is_dir(), "{}: scripts/setup test installs it", packages.display());
-    let mut command = Command::new("/usr/bin/python3");
-    command.args(["-m", "openjd"]).args(words).env("PYTHONPATH", packages).current_dir(folder.path(""));
-    let output = command.output().expect("scripts/setup test installs Python");
+    let output = python("openjd", words).current_dir(folder.path("")).output().expect("Python");
     let text =
         [output.stdout, output.stderr].map(|bytes| String::from_utf8_lossy(&bytes).into_owned()).concat();
     assert!(output.status.success(), "{words:?}: {text}");

@@ -190,3 +190,14 @@ impl Run {
         serde_json::from_str(&self.stdout).unwrap_or_else(|error| panic!("{error}: {}", self.stdout))
     }
 }
+
+/// A program of scripts/tools.txt, as scripts/setup installs it.
+pub(crate) fn python(module: &str, words: &[&str]) -> Command {
+    let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("..");
+    let target = std::env::var_os("CARGO_TARGET_DIR").map_or("target".into(), PathBuf::from);
+    let packages = root.join(target).join("tools/python");
+    assert!(packages.is_dir(), "{}: scripts/setup test installs it", packages.display());
+    let mut command = Command::new("/usr/bin/python3");
+    command.args(["-m", module]).args(words).env("PYTHONPATH", packages);
+    command
+}

@@ -7,6 +7,7 @@ mod schema;
 mod strace;
 
 mod bands;
+mod bucket;
 mod caches;
 mod coded;
 mod colours;

@@ -6,6 +6,7 @@ use std::sync::Mutex;
 use tempfile::{TempDir, tempdir};
 
 use super::*;
+use crate::cache::Place;
 
 /// A plant of a trunk and leaves, `height_m` high.
 pub(crate) fn plant(height_m: f64) -> String {
@@ -107,8 +108,8 @@ impl Farm {
         let manifest = Manifest::read(&self.path("library.toml")).expect("a manifest");
         let cache = self.path("cache");
         let tell = |_: &str| {};
-        let store = Folder::open(Some(&cache), &tell);
-        build(&manifest, settings, (&store, Trust::Nothing), observer)
+        let cache = Cache::open(Some(&Place::Folder(cache)), &tell).expect("a cache");
+        build(&manifest, settings, (&cache, Trust::Nothing), observer)
     }
 
     pub(crate) fn build(&self) -> (Vec<(String, String)>, Ran) {
@@ -184,7 +185,7 @@ fn a_library_is_built_once_and_again_changes_no_byte() {
     assert!(ran.is_empty(), "{ran:?}");
     assert_eq!(farm.files(), files);
 
-    // A lost output comes back from the store, to the same bytes; so does all of it elsewhere.
+    // A lost output comes back from the cache, to the same bytes; so does all of it elsewhere.
     fs::remove_dir_all(farm.path("library")).expect("it was there");
     let (outcomes, _) = farm.build();
     assert_eq!(outcomes, ["oak", "oak-autumn", "ash"].map(|name| told(name, "stored")));

@@ -1,6 +1,7 @@
 use std::path::Path;
 
 use super::*;
+use crate::cache::Place;
 use crate::tasks::{Task, TaskPlan};
 
 /// Seven tasks in two classes of memory.
@@ -10,7 +11,8 @@ fn plan() -> TaskPlan {
         memory_bytes: if at < 2 { 2 << 30 } else { 1 << 29 },
         seconds: 30.0,
     };
-    TaskPlan::of_tasks(Path::new("/a b/library.toml"), Path::new("/a b/cache"), (0..7).map(task).collect())
+    let cache = Place::Folder("/a b/cache".into());
+    TaskPlan::of_tasks(Path::new("/a b/library.toml"), &cache, (0..7).map(task).collect()).expect("text")
 }
 
 fn settings() -> EmitSettings {
@@ -25,7 +27,7 @@ fn settings() -> EmitSettings {
 }
 
 fn text(engine: Engine, name: &str) -> String {
-    let files = files(&plan(), engine, &settings());
+    let files = files(&plan(), engine, &settings()).expect("text");
     let names: Vec<&String> = files.iter().map(|(name, _)| name).collect();
     let found = files.iter().find(|(found, _)| found == name);
     found.unwrap_or_else(|| panic!("{name} is not in {names:?}")).1.clone()
@@ -80,8 +82,8 @@ fn arrays_of_slurm_take_the_tasks_of_an_amount_of_memory() {
     );
     // More tasks than an array takes are several arrays.
     let one = plan().tasks[6].clone();
-    let many = TaskPlan::of_tasks(Path::new("l"), Path::new("c"), vec![one; 2500]);
-    let files = files(&many, Engine::Slurm, &settings());
+    let many = TaskPlan::of_tasks(Path::new("l"), &Place::Folder("c".into()), vec![one; 2500]).expect("text");
+    let files = files(&many, Engine::Slurm, &settings()).expect("text");
     assert_eq!(files.len(), 5);
     assert!(files[2].1.contains("--array=0-499\n") && files[2].1.contains("+ 2001))"), "{}", files[2].1);
 }

@@ -31,6 +31,7 @@ use crate::source::Traffic;
 mod address;
 mod ahead;
 mod answer;
+mod bucket;
 mod client;
 mod credentials;
 mod error;
@@ -44,6 +45,7 @@ mod url;
 mod wire;
 
 pub use address::is_private;
+pub use bucket::{Bucket, BucketError, Listed, MAX_BYTES as MAX_OBJECT_BYTES, Writing};
 pub use error::RemoteError;
 pub use s3::EnvironmentError;
 pub use url::RemoteUrl;

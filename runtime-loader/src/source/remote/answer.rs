@@ -27,6 +27,9 @@ pub(super) enum Refused {
         /// How long the server asks to wait.
         wait: Option<Duration>,
     },
+    /// Of a whole object or a list, with the code that s3 gives.
+    #[error("the answer {found}{}", code.as_ref().map(|code| format!(" ({code})")).unwrap_or_default())]
+    Answer { found: StatusCode, code: Option<String> },
     /// The answer 416, and the length of the file where it says it.
     #[error("the answer 416 Range Not Satisfiable")]
     Unsatisfiable { length: Option<u64> },

@@ -11,7 +11,7 @@ use std::sync::atomic::{AtomicU64, Ordering};
 use async_trait::async_trait;
 use futures_util::StreamExt;
 use http::header::RANGE;
-use http::{Method, Request};
+use http::{Method, Request, StatusCode};
 use object_store::client::{
     ClientConfigKey, HttpClient, HttpConnector, HttpError, HttpErrorKind, HttpRequest, HttpRequestBody,
     HttpResponse, HttpService,
@@ -24,8 +24,10 @@ use super::redirect::{Hop, Reach, Rules};
 use super::wire::{Clients, PrivateName, Wire, WireSettings};
 use crate::source::Traffic;
 
-/// Of an answer to a request for credentials.
+/// Of an answer to a request for credentials, and of one that is no success.
 const MAX_CREDENTIALS_BYTES: usize = 64 << 10;
+/// Of a list of objects: a thousand names of a thousand bytes, and as much around each.
+const MAX_LIST_BYTES: usize = 4 << 20;
 
 /// Requests sent and bytes received by one source.
 #[derive(Debug, Default)]
@@ -47,8 +49,20 @@ impl Counts {
 #[derive(Debug)]
 pub(super) struct Connector {
     pub counts: Arc<Counts>,
+    pub asks: Asks,
+    /// Requests to s3 are signed.
+    pub is_signed: bool,
     pub rules: Rules,
     pub wire: WireChoice,
+}
+
+/// What is asked for beside credentials.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum Asks {
+    /// Ranges of a file.
+    Ranges,
+    /// Whole objects of s3, and lists of them (`bucket.rs`).
+    Objects,
 }
 
 /// What carries the requests.
@@ -74,7 +88,9 @@ impl HttpConnector for Connector {
                 })?)
             }
         };
-        Ok(HttpClient::new(Watched { wire, counts: Arc::clone(&self.counts), rules: self.rules.clone() }))
+        let Connector { counts, asks, is_signed, rules, .. } = self;
+        let (counts, asks, is_signed) = (Arc::clone(counts), *asks, *is_signed);
+        Ok(HttpClient::new(Watched { wire, counts, asks, is_signed, rules: rules.clone() }))
     }
 }
 
@@ -82,12 +98,19 @@ impl HttpConnector for Connector {
 struct Watched {
     wire: Arc<dyn Wire>,
     counts: Arc<Counts>,
+    asks: Asks,
+    is_signed: bool,
     rules: Rules,
 }
 
 #[async_trait]
 impl HttpService for Watched {
     async fn call(&self, request: HttpRequest) -> Result<HttpResponse, HttpError> {
+        // Requests for credentials are signed by nothing, and there are none where no signature is wanted.
+        let is_own = !self.is_signed || request.headers().contains_key("x-amz-content-sha256");
+        if self.asks == Asks::Objects && is_own {
+            return self.object(request).await;
+        }
         match request.headers().contains_key(RANGE) {
             true => {
                 let asked = request.headers().get(RANGE).and_then(|range| range_of(range.as_bytes()));
@@ -127,6 +150,41 @@ impl Watched {
         }
     }
 
+    /// A whole object, or a list of some. Redirects are not followed. Of an answer that is no success only its code is
+    /// kept. The body of an object is left to its reader, which knows how long it may be.
+    async fn object(&self, request: HttpRequest) -> Result<HttpResponse, HttpError> {
+        self.counts.requests.fetch_add(1, Ordering::Relaxed);
+        let is_object = request.method() == Method::GET && request.uri().query().is_none();
+        let (response, _) = self.wire.send(request, Reach::Any).await?;
+        let (parts, body) = response.into_parts();
+        if parts.status.is_success() && is_object {
+            return Ok(HttpResponse::from_parts(parts, body));
+        }
+        let most = if parts.status.is_success() { MAX_LIST_BYTES } else { MAX_CREDENTIALS_BYTES };
+        let mut bytes = Vec::new();
+        let mut body = body.bytes_stream();
+        while let Some(part) = body.next().await {
+            bytes.extend_from_slice(&part?);
+            if bytes.len() > most {
+                return Err(strange(&format!("an answer of more than {most} bytes")));
+            }
+        }
+        if !parts.status.is_success() {
+            let code = code_of(&bytes);
+            let is_missing =
+                parts.status == StatusCode::NOT_FOUND && code.is_none_or(|code| code == "NoSuchKey");
+            let is_plain = is_missing
+                || (parts.status.is_server_error() && parts.status != StatusCode::NOT_IMPLEMENTED)
+                || matches!(parts.status.as_u16(), 304 | 408 | 409 | 412 | 429);
+            if !is_plain {
+                let refused = Refused::Answer { found: parts.status, code: code.map(str::to_owned) };
+                return Err(HttpError::new(HttpErrorKind::Unknown, refused));
+            }
+            bytes.clear();
+        }
+        Ok(HttpResponse::from_parts(parts, bytes.into()))
+    }
+
     /// What gives s3 its credentials. Redirects are not followed, and what a server says with an error is not kept:
     /// both could carry a secret on. An endpoint near by is asked without a proxy, which would see the token.
     async fn credentials(&self, request: HttpRequest) -> Result<HttpResponse, HttpError> {
@@ -148,6 +206,15 @@ impl Watched {
         }
         Ok(HttpResponse::from_parts(parts, bytes.into()))
     }
+}
+
+/// The code of an answer of s3 that is no success, if it is a word.
+fn code_of(body: &[u8]) -> Option<&str> {
+    const MAX_CODE: usize = 64;
+    let text = str::from_utf8(body).ok()?;
+    let code = text.split_once("<Code>")?.1.split_once("</Code>")?.0;
+    let is_word = code.bytes().all(|byte| byte.is_ascii_alphanumeric());
+    (is_word && (1..=MAX_CODE).contains(&code.len())).then_some(code)
 }
 
 fn no_answer(error: HttpError, hops: usize) -> Refused {

@@ -169,7 +169,10 @@ pub(super) fn explain(
         (Some(Refused::ContentRange(found)), _) => RemoteError::ContentRange { range, found: found.clone() },
         (Some(Refused::Redirect(reason)), _) => RemoteError::Redirect { range, reason: reason.clone() },
         (Some(Refused::Header(reason)), _) => RemoteError::Failed { range, reason: reason.clone() },
-        (Some(Refused::NoAnswer(_)) | None, _) => RemoteError::Failed { range, reason: reason(error) },
+        // The second is of whole objects (`bucket.rs`), which are no ranges.
+        (Some(Refused::NoAnswer(_) | Refused::Answer { .. }) | None, _) => {
+            RemoteError::Failed { range, reason: reason(error) }
+        }
     }
 }
 

@@ -15,7 +15,7 @@ use object_store::path::Path;
 use object_store::{BackoffConfig, GetOptions, ObjectMeta, ObjectStore, RetryConfig};
 use tokio::runtime::Runtime;
 
-use super::client::{Connector, Counts, WireChoice};
+use super::client::{Asks, Connector, Counts, WireChoice};
 use super::error::{RemoteError, explain, reason, refusal};
 use super::patience::{Enough, Patience};
 use super::redirect::Rules;
@@ -75,18 +75,73 @@ impl Object {
         wire: Option<Arc<dyn Wire>>,
     ) -> Result<Object, NoObject> {
         let (limit, retries) = (settings.limit, settings.retries);
-        // For bodies that are cut, and for credentials. Tries at a range are counted here (`patience.rs`).
+        let made = Made::new(url, settings, (Arc::clone(&counts), Asks::Ranges), environment, wire)?;
+        Ok(Object { store: made.store, path: made.path, counts, limit, retries, secrets: made.secrets })
+    }
+
+    /// Reads a range that is not empty, cut at the end of the file; of the file of `identity` only, where one is given.
+    pub(super) fn get(&self, range: Range<u64>, identity: Option<&Identity>) -> Result<Answer, RemoteError> {
+        let (store, path, counts) = (Arc::clone(&self.store), self.path.clone(), Arc::clone(&self.counts));
+        let options = conditions(identity).with_range(Some(range.clone()));
+        let (limit, retries, asked) = (self.limit, self.retries, range.clone());
+        let read = async move {
+            let mut patience = Patience::new(limit, retries);
+            let began = Instant::now();
+            loop {
+                let error = match read(&*store, &path, options.clone(), asked.clone(), &counts).await {
+                    Ok(outcome) => return outcome,
+                    Err(error) => error,
+                };
+                let wait = match refusal(&error) {
+                    Some(refused) => patience.wait(refused, began.elapsed()),
+                    None => Err(Enough::Failed),
+                };
+                match wait {
+                    Ok(wait) => tokio::time::sleep(wait).await,
+                    Err(enough) => return Err(explain(&error, &enough, asked, limit)),
+                }
+            }
+        };
+        let too_slow = RemoteError::TooSlow { range: range.clone(), seconds: limit.as_secs_f64() };
+        let read = async move { tokio::time::timeout(limit, read).await.unwrap_or(Err(too_slow)) };
+        wait(read).unwrap_or_else(|reason| Err(RemoteError::Failed { range, reason }))
+    }
+}
+
+/// A client of the store that a URL names.
+pub(super) struct Made {
+    pub store: Arc<dyn ObjectStore>,
+    /// The URL's path there.
+    pub path: Path,
+    pub secrets: Arc<Secrets>,
+}
+
+impl Made {
+    /// Sends nothing yet.
+    pub(super) fn new(
+        url: &RemoteUrl,
+        settings: &RemoteSettings,
+        (counts, asks): (Arc<Counts>, Asks),
+        environment: impl IntoIterator<Item = (OsString, OsString)>,
+        wire: Option<Arc<dyn Wire>>,
+    ) -> Result<Made, NoObject> {
+        // For bodies that are cut, for credentials, and for whole objects. Tries at a range are counted by
+        // `patience.rs`.
         let retry = RetryConfig {
             backoff: BackoffConfig { max_backoff: Duration::from_secs(5), ..BackoffConfig::default() },
-            max_retries: retries,
-            retry_timeout: limit,
+            max_retries: settings.retries,
+            retry_timeout: settings.limit,
         };
         let url = url.url();
         let plain = url.scheme() == "http";
         let variables = if url.scheme() == "s3" { s3::settings(environment)? } else { Vec::new() };
         let secrets = Arc::new(Secrets::of(url.query(), s3::secrets(&variables)));
         let connector = Connector {
-            counts: Arc::clone(&counts),
+            counts,
+            asks,
+            is_signed: !variables
+                .iter()
+                .any(|(name, value)| *name == "AWS_SKIP_SIGNATURE" && value == "true"),
             rules: Rules {
                 same_origin: url.scheme() == "s3",
                 allow_private: settings.allow_private_redirects,
@@ -115,46 +170,19 @@ impl Object {
                 (Arc::new(builder.build()?), Path::default())
             }
         };
-        Ok(Object { store, path, counts, limit, retries, secrets })
+        Ok(Made { store, path, secrets })
     }
+}
 
-    /// Reads a range that is not empty, cut at the end of the file; of the file of `identity` only, where one is given.
-    pub(super) fn get(&self, range: Range<u64>, identity: Option<&Identity>) -> Result<Answer, RemoteError> {
-        let (store, path, counts) = (Arc::clone(&self.store), self.path.clone(), Arc::clone(&self.counts));
-        let options = conditions(identity).with_range(Some(range.clone()));
-        let (limit, retries, asked) = (self.limit, self.retries, range.clone());
-        let read = async move {
-            let mut patience = Patience::new(limit, retries);
-            let began = Instant::now();
-            loop {
-                let error = match read(&*store, &path, options.clone(), asked.clone(), &counts).await {
-                    Ok(outcome) => return outcome,
-                    Err(error) => error,
-                };
-                let wait = match refusal(&error) {
-                    Some(refused) => patience.wait(refused, began.elapsed()),
-                    None => Err(Enough::Failed),
-                };
-                match wait {
-                    Ok(wait) => tokio::time::sleep(wait).await,
-                    Err(enough) => return Err(explain(&error, &enough, asked, limit)),
-                }
-            }
-        };
-        let too_slow = RemoteError::TooSlow { range: range.clone(), seconds: limit.as_secs_f64() };
-        let read = async move { tokio::time::timeout(limit, read).await.unwrap_or(Err(too_slow)) };
-        let failed = |reason: String| RemoteError::Failed { range, reason };
-        let runtime = match RUNTIME.as_ref() {
-            Ok(runtime) => runtime,
-            Err(error) => return Err(failed(format!("cannot start a thread: {error}"))),
-        };
-        let (send, receive) = mpsc::channel();
-        runtime.spawn(async move {
-            let _ = send.send(read.await); // its receiver has gone: nothing to do
-        });
-        // The sender goes without a word only where its task panics.
-        receive.recv().unwrap_or_else(|_| Err(failed(PANICKED.to_owned())))
-    }
+/// Waits for a future on the thread of all requests, from anywhere. The error is a fault of this machine or program.
+pub(super) fn wait<T: Send + 'static>(future: impl Future<Output = T> + Send + 'static) -> Result<T, String> {
+    let runtime = RUNTIME.as_ref().map_err(|error| format!("cannot start a thread: {error}"))?;
+    let (send, receive) = mpsc::channel();
+    runtime.spawn(async move {
+        let _ = send.send(future.await); // its receiver has gone: nothing to do
+    });
+    // The sender goes without a word only where its task panics.
+    receive.recv().map_err(|_| PANICKED.to_owned())
 }
 
 /// One try. The outer error is one after which another try may be of use.

@@ -37,6 +37,11 @@ impl RemoteUrl {
         Ok(RemoteUrl(url))
     }
 
+    /// Tells URLs of s3 from those of HTTP.
+    pub fn is_bucket(&self) -> bool {
+        self.0.scheme() == "s3"
+    }
+
     pub(super) fn url(&self) -> &url::Url {
         &self.0
     }
