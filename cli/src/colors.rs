@@ -3,13 +3,11 @@
 use std::path::Path;
 
 use flb_scene::color::MaterialColor;
+use flb_scene::color::words::{self, shares};
 use flb_scene::{ClassedMesh, Plant, PlantReader};
 use serde::Serialize;
 
 use crate::print::{self, say};
-
-/// Share of a material's area that is clamped before a bake says so.
-const WORTH_A_WORD: f64 = 5e-4;
 
 /// One material that is leaf or wood.
 #[derive(Debug, Clone, PartialEq, Serialize)]
@@ -56,7 +54,7 @@ pub(crate) fn rows(path: &Path, reader: &PlantReader, classed: ClassedMesh) -> V
 
 /// Of a plant that is ready to be baked.
 pub(crate) fn of_plant(plant: &Plant) -> Vec<ColorRow> {
-    named(plant).map(|(name, color)| ColorRow::of(name.to_owned(), color)).collect()
+    words::of_materials(plant).map(|(name, color)| ColorRow::of(name.to_owned(), color)).collect()
 }
 
 /// One row a material.
@@ -79,42 +77,9 @@ pub(crate) fn table(rows: &[ColorRow]) -> String {
 /// Says on stderr what a bake decides of the plant's colours, and what it could not follow.
 pub(crate) fn say_colors(path: &Path, plant: &Plant) {
     say_warnings(path, plant);
-    let path = path.display();
-    for (name, color) in named(plant) {
-        if color.is_surprise {
-            say!(
-                "{path}: material {name:?} has the colour {}, measured leaves reflect {}: its texels are taken for what it \
-                 reflects; --leaf-colour measured makes them a tint of the measured colour",
-                shares(&color.texture.unwrap_or_default()),
-                shares(&color.measured)
-            );
-        }
-        if let Some(note) = &color.note {
-            say!("{path}: material {name:?}: {note}");
-        }
-        if color.clamped >= WORTH_A_WORD {
-            say!(
-                "{path}: {:.1} % of the area of material {name:?} would reflect and transmit more than all light, and is \
-                 scaled down to 1",
-                100.0 * color.clamped
-            );
-        }
-    }
+    words::decisions(plant).iter().for_each(|told| say!("{}: {told}", path.display()));
 }
 
 fn say_warnings(path: &Path, plant: &Plant) {
-    for (name, color) in named(plant) {
-        if let Some(warning) = &color.warning {
-            say!("warning: {}: material {name:?}: {warning}", path.display());
-        }
-    }
-}
-
-fn named(plant: &Plant) -> impl Iterator<Item = (&str, &MaterialColor)> {
-    let materials = plant.classed.mesh.materials.iter().zip(&plant.colors);
-    materials.filter_map(|(material, color)| Some((material.name.as_str(), color.as_ref()?)))
-}
-
-fn shares(shares: &[f64]) -> String {
-    shares.iter().map(|share| format!("{share:.3}")).collect::<Vec<_>>().join(" ")
+    words::warnings(plant).iter().for_each(|warning| say!("warning: {}: {warning}", path.display()));
 }

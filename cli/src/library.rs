@@ -7,7 +7,7 @@ mod shown;
 use std::path::Path;
 
 use flb_farm::build::{BuildSettings, OnFailure, build, no_species};
-use flb_farm::cache::{Cache, Place};
+use flb_farm::cache::{Cache, Place, Traffic};
 use flb_farm::digests::Trust;
 use flb_farm::init::{self, survey};
 use flb_farm::manifest::OUTPUT;
@@ -71,7 +71,7 @@ fn init(args: &InitArgs) -> Result<u8, Failure> {
     match args.json {
         true => print::json(&report)?,
         false => print::out(&line!(
-            "{}: {total} species, {undecided} with undecided materials; {failed} meshes that cannot be read",
+            "{}: {total} species, {undecided} with undecided materials; meshes that cannot be read: {failed}",
             output.display()
         ))?,
     }
@@ -142,7 +142,7 @@ fn run_build(args: &BuildArgs) -> Result<u8, Failure> {
     }
     let shown = Shown::new(args.progress, &settings, None);
     let summary = build(&manifest, &settings, (&cache, trust), &shown)?;
-    end(args, &manifest, summary)
+    end(args, &manifest, summary, cache.traffic())
 }
 
 fn settings(args: &BuildArgs) -> Result<BuildSettings, Failure> {
@@ -160,8 +160,8 @@ fn settings(args: &BuildArgs) -> Result<BuildSettings, Failure> {
 }
 
 /// What is said at the end, and the exit code.
-fn end(args: &BuildArgs, manifest: &Manifest, summary: Summary) -> Result<u8, Failure> {
-    let report = Report::of_build(manifest, &summary);
+fn end(args: &BuildArgs, manifest: &Manifest, summary: Summary, traffic: Traffic) -> Result<u8, Failure> {
+    let report = Report::of_build(manifest, &summary, traffic);
     let output = manifest.output.display();
     for name in &summary.left_over {
         say!("{output}: {name}.flb is of no species of the manifest; it is left there");

@@ -80,7 +80,7 @@ impl Observer for Stages {
 impl BakeObserver for Stages {
     fn hear(&self, event: &Event) {
         match event {
-            Event::Reused { .. } => {}
+            Event::Reused { .. } | Event::Matter { .. } => {}
             Event::Solved(summary) => self.add_solve(summary.clone()),
             told => say!("{told}"),
         }

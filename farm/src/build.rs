@@ -19,6 +19,7 @@ use crate::manifest::nearest::nearest;
 use crate::outcome::{Built, Outcome, Summary};
 use crate::output::{self, Output};
 use crate::plan::{Plan, Planned, State, Why};
+use crate::predict;
 use crate::publish::write_all;
 use crate::record::Record;
 
@@ -136,15 +137,16 @@ impl Work<'_> {
         self.has_failed.load(Ordering::Relaxed) || self.observer.is_stopped()
     }
 
-    /// Brings a species to its place.
-    fn one(&self, planned: Planned) -> Built {
+    /// Brings a species to its place. `weigh` is told how much memory it will take once that is known better, and
+    /// may wait.
+    fn one(&self, planned: Planned, weigh: &(dyn Fn(u64) + Sync)) -> Built {
         let Planned { entry, job, state, .. } = planned;
         let name = entry.name.clone();
         let done = match (state, job) {
             (State::Failed(error), _) => Err(error),
             (State::Current(record), _) => Ok((Outcome::Current, *record)),
-            (State::Stored(record), Some(job)) => self.stored(&job, *record),
-            (State::Due(why), Some(job)) => self.made(&job, why),
+            (State::Stored(record), Some(job)) => self.stored(&job, *record, weigh),
+            (State::Due(why), Some(job)) => self.made(&job, why, weigh),
             (_, None) => unreachable!("a species without a job has failed"),
         };
         let built = match done {
@@ -162,7 +164,12 @@ impl Work<'_> {
     }
 
     /// Copies a species from the cache, or makes it where the cache's copy is damaged.
-    fn stored(&self, job: &Job, record: Record) -> Result<(Outcome, Record), FarmError> {
+    fn stored(
+        &self,
+        job: &Job,
+        record: Record,
+        weigh: &(dyn Fn(u64) + Sync),
+    ) -> Result<(Outcome, Record), FarmError> {
         let entry = format!("species-{}.flb", job.key);
         let file = self.cache.read(&entry);
         let is_sound = |file: &Vec<u8>| blake3::hash(file).to_hex().as_str() == record.facts.blake3;
@@ -173,7 +180,7 @@ impl Work<'_> {
             }
             sound
         }) else {
-            return self.made(job, Why::Lost);
+            return self.made(job, Why::Lost, weigh);
         };
         let read = |kind: &str| self.cache.read(&format!("species-{}.{kind}", job.key)).unwrap_or_default();
         let log = String::from_utf8_lossy(&read("log")).into_owned();
@@ -181,8 +188,13 @@ impl Work<'_> {
         Ok((Outcome::Stored, record))
     }
 
-    fn made(&self, job: &Job, why: Why) -> Result<(Outcome, Record), FarmError> {
-        let listener = Followed { work: self, species: &job.entry.name };
+    fn made(
+        &self,
+        job: &Job,
+        why: Why,
+        weigh: &(dyn Fn(u64) + Sync),
+    ) -> Result<(Outcome, Record), FarmError> {
+        let listener = Followed { work: self, job, weigh };
         let made = make(job, self.cache, &listener)?;
         let keep = |kind: &str, bytes: &[u8]| self.cache.write(&format!("species-{}.{kind}", job.key), bytes);
         keep("flb", &made.file);
@@ -210,12 +222,17 @@ impl Work<'_> {
 /// Follows the stages of a species.
 struct Followed<'a> {
     work: &'a Work<'a>,
-    species: &'a str,
+    job: &'a Job,
+    weigh: &'a (dyn Fn(u64) + Sync),
 }
 
 impl Listener for Followed<'_> {
     fn at(&self, step: Step, share: f64) {
-        self.work.observer.at(self.species, step, share);
+        self.work.observer.at(&self.job.entry.name, step, share);
+    }
+
+    fn matter(&self, sites: u64) {
+        (self.weigh)(predict::memory_bytes(&self.job.bake, self.job.bands(), Some(sites)));
     }
 
     fn is_stopped(&self) -> bool {

@@ -8,13 +8,14 @@
 mod bucket;
 pub mod care;
 mod folder;
+mod packed;
 mod place;
 mod shelf;
 
 use std::collections::HashSet;
 use std::fs;
 use std::sync::Mutex;
-use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 
 use flb_baker::bake::Store;
 
@@ -40,16 +41,41 @@ pub struct Cache<'t> {
     is_full: AtomicBool,
     /// Entries that were refused, and are to be replaced.
     refused: Mutex<HashSet<String>>,
+    traffic: Counted,
     tell: Tell<'t>,
+}
+
+/// Entries and bytes that went into a cache and came out of it.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub struct Traffic {
+    /// Entries that were asked for, whether they were there or not.
+    pub asked: u64,
+    /// Bytes of those that were read.
+    pub read_bytes: u64,
+    /// Entries that were written.
+    pub written: u64,
+    /// Bytes of them.
+    pub written_bytes: u64,
+}
+
+#[derive(Default)]
+struct Counted {
+    asked: AtomicU64,
+    read_bytes: AtomicU64,
+    written: AtomicU64,
+    written_bytes: AtomicU64,
 }
 
 impl Store for Cache<'_> {
     fn get(&self, name: &str) -> Option<Vec<u8>> {
-        self.read(&format!("{name}.artefact"))
+        let entry = format!("{name}.artefact");
+        let packed = self.read(&entry)?;
+        packed::unpack(packed).inspect_err(|reason| self.damaged(&entry, reason)).ok()
     }
 
     fn put(&self, name: &str, bytes: &[u8]) {
-        self.write(&format!("{name}.artefact"), bytes);
+        let packed = packed::pack(bytes);
+        self.write(&format!("{name}.artefact"), packed.as_deref().unwrap_or(bytes));
     }
 
     fn refuse(&self, name: &str, reason: &str) {
@@ -92,6 +118,7 @@ impl<'t> Cache<'t> {
             is_shut: AtomicBool::new(false),
             is_full: AtomicBool::new(false),
             refused: Mutex::default(),
+            traffic: Counted::default(),
             tell,
         }
     }
@@ -121,8 +148,14 @@ impl<'t> Cache<'t> {
 
     /// The bytes of an entry; `None` if there is none, or if it cannot be read.
     pub fn read(&self, entry: &str) -> Option<Vec<u8>> {
-        match self.open_shelf()?.get(entry) {
-            Ok(found) => found,
+        let shelf = self.open_shelf()?;
+        self.traffic.asked.fetch_add(1, Ordering::Relaxed);
+        match shelf.get(entry) {
+            Ok(found) => {
+                let bytes = found.as_ref().map_or(0, Vec::len) as u64;
+                self.traffic.read_bytes.fetch_add(bytes, Ordering::Relaxed);
+                found
+            }
             Err(NotRead::Entry(reason)) => {
                 self.damaged(entry, &reason);
                 None
@@ -136,7 +169,10 @@ impl<'t> Cache<'t> {
 
     /// Whether there is an entry.
     pub fn has(&self, entry: &str) -> bool {
-        let found = self.open_shelf().map(|shelf| shelf.has(entry));
+        let found = self.open_shelf().map(|shelf| {
+            self.traffic.asked.fetch_add(1, Ordering::Relaxed);
+            shelf.has(entry)
+        });
         found.is_some_and(|found| found.inspect_err(|reason| self.shut(reason)).unwrap_or(false))
     }
 
@@ -148,8 +184,12 @@ impl<'t> Cache<'t> {
             true => Writing::Replace,
             false => Writing::Create,
         };
-        if let Err(error) = shelf.put(entry, bytes, writing) {
-            self.close(&error);
+        match shelf.put(entry, bytes, writing) {
+            Ok(()) => {
+                self.traffic.written.fetch_add(1, Ordering::Relaxed);
+                self.traffic.written_bytes.fetch_add(bytes.len() as u64, Ordering::Relaxed);
+            }
+            Err(error) => self.close(&error),
         }
     }
 
@@ -158,6 +198,18 @@ impl<'t> Cache<'t> {
         self.refused.lock().expect("no holder panics").insert(entry.to_owned());
         let name = self.shelf.as_ref().map(|shelf| shelf.name(entry)).unwrap_or_default();
         (self.tell)(&format!("{name}: {reason}; made again"));
+    }
+
+    /// Returns how much went in and came out so far.
+    pub fn traffic(&self) -> Traffic {
+        let of = |count: &AtomicU64| count.load(Ordering::Relaxed);
+        let Counted { asked, read_bytes, written, written_bytes } = &self.traffic;
+        Traffic {
+            asked: of(asked),
+            read_bytes: of(read_bytes),
+            written: of(written),
+            written_bytes: of(written_bytes),
+        }
     }
 
     /// Every file of the place.

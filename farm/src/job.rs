@@ -3,9 +3,10 @@
 
 use flb_baker::bake::BakeSettings;
 use flb_packer::EncodeSettings;
+use flb_scene::color::words;
 use flb_scene::extents::doubts;
 use flb_scene::import::{TEXT_BYTES, read_text};
-use flb_scene::{ClassRules, ClassedMesh, ImportError, ImportSettings, Observer, PlantReader, SpeciesFile};
+use flb_scene::{ClassRules, ImportError, ImportSettings, Observer, Plant, PlantReader, SpeciesFile};
 use flb_stage::read::read_classed;
 
 use crate::FarmError;
@@ -70,12 +71,12 @@ impl Job {
     }
 }
 
-/// A mesh that was read, and what is odd about it.
+/// A plant that was read, and what is odd about it.
 #[derive(Debug, Clone)]
 pub struct Read {
-    /// The mesh with its classes.
-    pub mesh: ClassedMesh,
-    /// Doubts about the plant, and what import repaired or ignored.
+    /// The plant.
+    pub plant: Plant,
+    /// Doubts about it, what import repaired or ignored, and what is said of colours and was not followed.
     pub warnings: Vec<String>,
 }
 
@@ -88,8 +89,17 @@ impl Job {
         let mesh = read_classed(&self.entry.mesh, &self.reader, observer)?;
         let doubted = doubts(&mesh, &self.reader.settings);
         let doubted = doubted.iter().map(|doubt| doubt.to_string());
-        let warnings = doubted.chain(mesh.mesh.warnings.iter().cloned()).collect();
-        Ok(Read { mesh, warnings })
+        let mut warnings: Vec<String> = doubted.chain(mesh.mesh.warnings.iter().cloned()).collect();
+        let plant = self.reader.plant(self.entry.name.clone(), mesh);
+        if self.follows_colors() {
+            warnings.extend(words::warnings(&plant));
+        }
+        Ok(Read { plant, warnings })
+    }
+
+    /// Whether the bake follows the colours of the mesh.
+    pub(crate) fn follows_colors(&self) -> bool {
+        self.entry.recipe.follows_colors()
     }
 
     /// Number of the bands of its light.

@@ -6,6 +6,7 @@ use std::time::Instant;
 use flb_baker::bake::{BakeObserver, Baked, Event, Store, bake};
 use flb_inspector::validate::{Level, validate};
 use flb_packer::{encode_species, write_library_to};
+use flb_scene::color::words;
 use flb_scene::{Observer, Step};
 
 use crate::FarmError;
@@ -33,6 +34,11 @@ pub trait Listener: Sync {
         let _ = (step, share);
     }
 
+    /// Called once the sites with matter are known, before most memory is taken. It may wait for memory.
+    fn matter(&self, sites: u64) {
+        let _ = sites;
+    }
+
     /// Whether to stop.
     fn is_stopped(&self) -> bool {
         false
@@ -47,13 +53,15 @@ pub trait Listener: Sync {
 pub fn make(job: &Job, store: &dyn Store, listener: &dyn Listener) -> Result<Made, FarmError> {
     let start = Instant::now();
     let heard = Heard { listener, state: Mutex::default() };
-    let Job { entry, reader, bake: settings, coding, .. } = job;
+    let Job { entry, bake: settings, coding, .. } = job;
     let stopped = |error: FarmError| if listener.is_stopped() { FarmError::Stopped } else { error };
     let read = Step::Import.run(&heard, &entry.name, |_| job.read(&heard))?;
-    let (classed, mut warnings) = (read.mesh, read.warnings);
-    check_sources(job, &classed.mesh.sources)?;
-    let mesh = classed.clone();
-    let plant = reader.plant(entry.name.clone(), classed);
+    let (plant, mut warnings) = (read.plant, read.warnings);
+    check_sources(job, &plant.classed.mesh.sources)?;
+    let mesh = plant.classed.clone();
+    if job.follows_colors() {
+        words::decisions(&plant).iter().for_each(|told| heard.note(&format!("{}: {told}", entry.name)));
+    }
     let at_mesh = |source| stopped(FarmError::Bake { mesh: entry.mesh.clone(), source: Box::new(source) });
     let Baked { fields, converged, .. } = bake(plant, settings, store, &heard).map_err(at_mesh)?;
     let encode = |progress: &flb_format::progress::Progress<'_>| encode_species(&fields, coding, progress);
@@ -139,6 +147,9 @@ impl Observer for Heard<'_> {
 
 impl BakeObserver for Heard<'_> {
     fn hear(&self, event: &Event) {
-        self.note(&event.to_string());
+        match event {
+            Event::Matter { sites, .. } => self.listener.matter(*sites),
+            told => self.note(&told.to_string()),
+        }
     }
 }

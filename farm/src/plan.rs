@@ -74,16 +74,17 @@ impl Plan {
                 }
                 Err(error) => (None, State::Failed(error)),
             };
-            let memory_bytes = job.as_ref().map_or(0, |job| {
+            let expected = job.as_ref().map(|job| {
                 // The plant's own sites, where it was baked on this lattice before.
                 let of = |record: &Record| (record.facts.lattice == job.bake.lattice).then_some(record.sites);
                 let sites = match &state {
                     State::Current(record) | State::Stored(record) => of(record),
                     _ => output.record(&entry.name).as_ref().and_then(of),
                 };
-                predict::memory_bytes(&job.bake, job.bands(), sites)
+                let bands = job.bands();
+                (predict::memory_bytes(&job.bake, bands, sites), predict::seconds(&job.bake, bands, sites))
             });
-            let seconds = job.as_ref().map_or(0.0, |job| predict::seconds(&job.bake, job.bands()));
+            let (memory_bytes, seconds) = expected.unwrap_or_default();
             Planned { entry: entry.clone(), job, state, memory_bytes, seconds }
         };
         let mut species: Vec<Planned> = manifest.species.par_iter().map(plan).collect();

@@ -14,24 +14,33 @@ const MATTER_SHARE: f64 = 0.15;
 /// Power of the site's edge that the share goes by.
 const MATTER_POWER: f64 = 0.8;
 
-/// Bytes that the bake of a species with so many bands takes, resident: by the number of sites with matter, or by what
-/// plants have of them on such a lattice.
+/// Sites with matter, or what plants have of them on such a lattice.
+fn sites_with_matter(settings: &BakeSettings, known: Option<u64>) -> u64 {
+    let sites = u64::from(settings.lattice).pow(3) as f64;
+    let share = || MATTER_SHARE * libm::pow(32.0 / f64::from(settings.lattice), MATTER_POWER);
+    known.unwrap_or_else(|| (sites * share()) as u64)
+}
+
+/// Bytes that the bake of a species with so many bands takes, resident: by the number of sites with matter, where that
+/// is known.
 pub(crate) fn memory_bytes(settings: &BakeSettings, bands: usize, matter: Option<u64>) -> u64 {
     let sites = u64::from(settings.lattice).pow(3);
     let fields = sites * u64::from(settings.items(Walls::None)) * bands as u64 * 4;
-    let share = || MATTER_SHARE * libm::pow(32.0 / f64::from(settings.lattice), MATTER_POWER);
-    let matter = matter.unwrap_or_else(|| (sites as f64 * share()) as u64);
     let lit = u64::from(settings.rays()) * RAY_BYTES;
-    BASE_BYTES + sites * SITE_BYTES + fields + matter * lit
+    BASE_BYTES + sites * SITE_BYTES + fields + sites_with_matter(settings, matter) * lit
 }
 
-/// Seconds of a bake beside its solves.
-const BASE_S: f64 = 0.5;
-/// Of a site, a band and a field that the light is fitted by, on one core.
-const ITEM_S: f64 = 4e-7;
+/// Seconds of a bake that do not grow with the lattice.
+const BASE_S: f64 = 2.5;
+/// Of a site and a band.
+const SITE_S: f64 = 1.4e-6;
+/// Of a site with matter, a band, a direction, and a ray along it.
+const RAY_S: f64 = 1.4e-7;
 
 /// Seconds that the bake of a species with so many bands takes on one core of a present machine, roughly.
-pub(crate) fn seconds(settings: &BakeSettings, bands: usize) -> f64 {
-    let sites = (u64::from(settings.lattice).pow(3)) as f64;
-    BASE_S + sites * f64::from(settings.items(Walls::None)) * bands as f64 * ITEM_S
+pub(crate) fn seconds(settings: &BakeSettings, bands: usize, matter: Option<u64>) -> f64 {
+    let sites = u64::from(settings.lattice).pow(3) as f64;
+    let rays = f64::from(settings.ordinates()) * f64::from(settings.rays());
+    let lit = sites_with_matter(settings, matter) as f64 * rays * RAY_S;
+    BASE_S + (sites * SITE_S + lit) * bands as f64
 }

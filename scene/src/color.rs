@@ -18,6 +18,7 @@ mod resolve;
 mod rules;
 #[cfg(test)]
 mod tests;
+pub mod words;
 
 pub use evidence::{Evidence, MAX_APART, apart};
 pub use law::{BLACK, Law, ROUNDING, Shares};

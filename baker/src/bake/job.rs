@@ -10,6 +10,7 @@ use flb_scene::{ClassedMesh, Plant, Step};
 use serde_json::json;
 
 use super::key::{Key, of_voxels};
+use super::observer::Event;
 use super::store::{self, Store};
 use super::{BakeError, BakeSettings, Work};
 use crate::{VoxelSettings, downsample, voxelise};
@@ -89,10 +90,13 @@ pub(super) fn hold_medium(
         store::reuse_or_make(work, Step::Voxelise, &voxels, |_| Ok(()), make)
     })?;
     let key = Key::new("medium").with("occupancy", voxels.digest().into());
-    work.run(Step::Downsample, |_| {
+    let medium: Medium = work.run(Step::Downsample, |_| {
         let make = || Ok(downsample(&occupancy)?);
         store::reuse_or_make(work, Step::Downsample, &key, |_| Ok(()), make)
-    })
+    })?;
+    drop(occupancy);
+    work.hear(Event::Matter { species: work.species.to_owned(), sites: medium.nonempty_sites() as u64 });
+    Ok(medium)
 }
 
 /// What the file says about the species; the grid is the downsampled medium's, set later.

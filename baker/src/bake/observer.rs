@@ -38,6 +38,13 @@ pub enum Event {
         /// Names of the parts.
         parts: Vec<String>,
     },
+    /// The matter of a plant is known, and with it how much memory its light will take.
+    Matter {
+        /// Name of the species.
+        species: String,
+        /// Sites with matter.
+        sites: u64,
+    },
     /// All fields are baked, though fewer were wanted: these suns cannot do without one.
     NeedsAll {
         /// Name of the species.
@@ -82,6 +89,7 @@ impl fmt::Display for Event {
                 let parts = parts.join(", ");
                 write!(f, "{species}: {} is redone, as the last bake had other: {parts}", step.name())
             }
+            Event::Matter { species, sites } => write!(f, "{species}: {sites} sites have matter"),
             Event::NeedsAll { species, suns, left_out } => write!(
                 f,
                 "{species}: {}, so all are baked; with --suns lattice18 this plan would leave out bases {}",

@@ -128,6 +128,14 @@ impl BakeSettings {
         }
     }
 
+    /// Number of directions that light is solved in; 0 for the model `paper`, which has its own.
+    pub fn ordinates(&self) -> u32 {
+        match &self.model {
+            ModelSettings::Physical(physical) => physical.ordinates.count(),
+            ModelSettings::Paper(_) => 0,
+        }
+    }
+
     /// Number of rays through a site along an ordinate, in all parts of it; 1 for the model `paper`, which has none.
     pub fn rays(&self) -> u32 {
         match &self.model {

@@ -3,6 +3,7 @@
 use std::path::Path;
 
 use flb_farm::Manifest;
+use flb_farm::cache::Traffic;
 use flb_farm::init::Surveyed;
 use flb_farm::outcome::{Built, Outcome, Summary};
 use flb_farm::parts::redone;
@@ -22,6 +23,15 @@ pub(super) struct Report {
     pub(super) species: Vec<SpeciesReport>,
     library_bytes: Option<u64>,
     left_over: Option<Vec<String>>,
+    cache: Option<CacheReport>,
+}
+
+#[derive(Serialize)]
+struct CacheReport {
+    asked: u64,
+    read_bytes: u64,
+    written: u64,
+    written_bytes: u64,
 }
 
 #[derive(Serialize)]
@@ -66,12 +76,14 @@ impl Report {
 
     pub(super) fn of(manifest: &Path, output: &Path, species: Vec<SpeciesReport>) -> Report {
         let [manifest, output] = [manifest, output].map(|path| path.display().to_string());
-        Report { manifest, output, species, library_bytes: None, left_over: None }
+        Report { manifest, output, species, library_bytes: None, left_over: None, cache: None }
     }
 
     /// Of a build.
-    pub(super) fn of_build(manifest: &Manifest, summary: &Summary) -> Report {
+    pub(super) fn of_build(manifest: &Manifest, summary: &Summary, traffic: Traffic) -> Report {
+        let Traffic { asked, read_bytes, written, written_bytes } = traffic;
         Report {
+            cache: Some(CacheReport { asked, read_bytes, written, written_bytes }),
             library_bytes: summary.library_bytes,
             left_over: Some(summary.left_over.clone()),
             ..Report::new(manifest, summary.species.iter().map(SpeciesReport::of_built).collect())

@@ -71,6 +71,26 @@ fn red_leaves_say_both_colours_and_the_flag_and_the_file_remembers() {
 }
 
 #[test]
+fn a_file_that_states_another_colour_than_the_mesh_has_is_told() {
+    let folder = plant(GREEN, GREEN);
+    folder.write("autumn.toml", "leaf_model = { chlorophyll_ug_cm2 = 2.0, anthocyanins_ug_cm2 = 3.0 }\n");
+    let told = "autumn.toml states another colour than the mesh has, and the mesh's is taken; leaf_colour = \"measured\" \
+                takes the one that is stated";
+    let autumn = ["--species", "autumn.toml"];
+    bake(&folder, "a.flb", &autumn).says(&[&format!("warning: plant.obj: material \"leaf\": {told}")]);
+    let manifest = "[[species]]\nmesh = 'plant.obj'\nspecies_file = 'autumn.toml'\nbake = { quality = 'draft', lattice = 16, voxels = 64 }\n";
+    folder.write("library.toml", manifest);
+    folder.flb(&["library", "check"]).expect_code(0).says(&[told]);
+    folder.flb(&["library", "build"]).expect_code(0);
+    let index: Value = serde_json::from_slice(&folder.read("library/index.json")).expect("JSON");
+    let warnings = index["species"]["plant"]["warnings"].to_string();
+    assert!(warnings.contains("autumn.toml states another colour"), "{index}");
+    folder.write("library.toml", format!("{manifest}plant = {{ leaf_colour = 'measured' }}\n"));
+    let run = folder.flb(&["library", "check"]).expect_code(0);
+    assert!(!run.stderr.contains("states another colour"), "{}", run.stderr);
+}
+
+#[test]
 fn green_leaves_bake_to_the_same_bytes_whether_the_flag_is_given_or_not() {
     let folder = plant(GREEN, "Kd 0.02 0.3 0.01");
     let run = bake(&folder, "a.flb", &[]);

@@ -29,6 +29,7 @@ mod library_diff;
 mod main_job;
 mod migrate;
 mod mistakes;
+mod nightly;
 mod odd_meshes;
 mod outputs;
 mod physical;

@@ -1,7 +1,7 @@
 //! A library on a real Slurm of two nodes: a node dies in the middle of a task, one task fails once, one asks to be run
 //! again, one species can never be made. The bytes are those of a build on one machine.
 
-mod cluster;
+pub(crate) mod cluster;
 
 use std::fs;
 use std::os::unix::fs::PermissionsExt;

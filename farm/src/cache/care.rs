@@ -7,7 +7,7 @@ use std::time::{Duration, SystemTime, UNIX_EPOCH};
 
 use flb_baker::artefact;
 
-use super::Cache;
+use super::{Cache, packed};
 use crate::FarmError;
 use crate::plan::sound_record;
 
@@ -92,6 +92,11 @@ fn bytes_of(cache: &Cache, kept: &Kept, ending: &str) -> Result<Vec<u8>, String>
     cache.read_listed(file)
 }
 
+/// What a stage made.
+fn artefact_of(cache: &Cache, kept: &Kept) -> Result<Vec<u8>, String> {
+    packed::unpack(bytes_of(cache, kept, "artefact")?)
+}
+
 fn record_of(cache: &Cache, kept: &Kept) -> Result<crate::record::Record, String> {
     let digest = kept.name.strip_prefix("species-").ok_or("is no species")?;
     sound_record(&bytes_of(cache, kept, "json")?, digest)
@@ -118,12 +123,12 @@ pub fn verify(cache: &Cache, kept: &Kept) -> Result<(), String> {
             }
         }
         "parts" => {
-            let bytes = bytes_of(cache, kept, "artefact")?;
+            let bytes = artefact_of(cache, kept)?;
             let parts: Result<Vec<(String, serde_json::Value)>, _> = serde_json::from_slice(&bytes);
             parts.map(drop).map_err(|error| error.to_string())
         }
         _ => {
-            let bytes = bytes_of(cache, kept, "artefact")?;
+            let bytes = artefact_of(cache, kept)?;
             let digest = &kept.name[kept.name.len() - DIGITS..];
             artefact::check(&bytes, digest).map_err(|error| error.to_string())
         }

@@ -208,6 +208,14 @@ impl Decision {
                         (Texel::Tint, format!("near the measured colour, {apart:.2} apart"), false)
                     }
                     Evidence::Far(apart) => {
+                        // A user who states what leaves reflect may not know that the mesh has the last word.
+                        if rules.has_surface(&material.name) {
+                            warning = Some(format!(
+                                "{} states another colour than the mesh has, and the mesh's is taken; leaf_colour = \
+                                 \"measured\" takes the one that is stated",
+                                rules.file
+                            ));
+                        }
                         (Texel::Albedo, format!("far from the measured colour, {apart:.2} apart"), true)
                     }
                 }

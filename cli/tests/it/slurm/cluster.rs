@@ -15,7 +15,7 @@ use crate::flb::{Folder, Run};
 const PATIENCE: Duration = Duration::from_secs(120);
 const TICK: Duration = Duration::from_millis(100);
 
-pub(super) struct Cluster {
+pub(crate) struct Cluster {
     /// Where the library is.
     pub folder: Folder,
     home: tempfile::TempDir,
@@ -41,7 +41,7 @@ fn keeper(pid: u32) -> Option<String> {
 
 impl Cluster {
     /// Starts it, and waits until both nodes are idle.
-    pub(super) fn start(folder: Folder) -> Cluster {
+    pub(crate) fn start(folder: Folder) -> Cluster {
         let home = tempfile::tempdir().expect("a temporary folder");
         // The service refuses sockets in folders that others cannot enter.
         fs::set_permissions(home.path(), fs::Permissions::from_mode(0o755)).expect("our own folder");
@@ -108,12 +108,17 @@ impl Cluster {
         text
     }
 
+    /// Slurm's settings, for its commands.
+    pub(crate) fn conf(&self) -> PathBuf {
+        self.path("slurm.conf")
+    }
+
     fn path(&self, name: &str) -> PathBuf {
         self.home.path().join(name)
     }
 
     /// One of Slurm's programs, with its settings.
-    pub(super) fn command(&self, program: &str) -> Command {
+    pub(crate) fn command(&self, program: &str) -> Command {
         let path = std::env::var("PATH").unwrap_or_default();
         let mut command = Command::new(program);
         command.env("SLURM_CONF", self.path("slurm.conf")).env("PATH", format!("{path}:/usr/sbin:/usr/bin"));
@@ -129,13 +134,13 @@ impl Cluster {
     }
 
     /// Runs `flb` in the folder of the library.
-    pub(super) fn flb(&self, words: &[&str]) -> Run {
+    pub(crate) fn flb(&self, words: &[&str]) -> Run {
         let conf = self.path("slurm.conf").display().to_string();
         self.folder.flb_in(&[("SLURM_CONF", &conf)], words)
     }
 
     /// Waits for something.
-    pub(super) fn until(&self, what: &str, is_so: impl Fn() -> bool) {
+    pub(crate) fn until(&self, what: &str, is_so: impl Fn() -> bool) {
         let begin = Instant::now();
         while !is_so() {
             assert!(begin.elapsed() < PATIENCE, "{what}: not within {PATIENCE:?}: {}", self.logs());
@@ -144,7 +149,7 @@ impl Cluster {
     }
 
     /// Node that runs a task of the first array, counted from 1.
-    pub(super) fn node_of_task(&self, number: usize) -> String {
+    pub(crate) fn node_of_task(&self, number: usize) -> String {
         let running = said(self.command("squeue").args(["-h", "-t", "RUNNING", "-o", "%K %N"]));
         let prefix = format!("{} ", number - 1);
         let line = running.lines().find_map(|line| line.strip_prefix(&prefix));
@@ -152,7 +157,7 @@ impl Cluster {
     }
 
     /// Lets jobs begin that Slurm holds back for two minutes after a requeue.
-    pub(super) fn begin_held_jobs(&self) {
+    pub(crate) fn begin_held_jobs(&self) {
         let held = said(self.command("squeue").args(["-h", "--array", "-t", "PENDING", "-o", "%i %r"]));
         for id in held.lines().filter_map(|line| line.strip_suffix(" BeginTime")) {
             said(self.command("scontrol").args(["update", &format!("JobId={id}"), "StartTime=now"]));
@@ -160,7 +165,7 @@ impl Cluster {
     }
 
     /// Kills a node with all that runs on it, as a loss of power does, and tells the controller.
-    pub(super) fn kill(&mut self, node: &str) {
+    pub(crate) fn kill(&mut self, node: &str) {
         let at = self.running.iter().position(|(name, _)| *name == node).expect("a node");
         let (_, mut child) = self.running.remove(at);
         child.kill().expect("it runs");
