@@ -95,6 +95,15 @@ fn failed(error: &io::Error) -> Failure {
     failure
 }
 
+/// A time: "40 s", "12 min", "3.5 h".
+pub(crate) fn duration(seconds: f64) -> String {
+    match seconds {
+        s if s < 90.0 => format!("{s:.0} s"),
+        s if s < 5400.0 => format!("{:.0} min", s / 60.0),
+        s => format!("{:.1} h", s / 3600.0),
+    }
+}
+
 /// Whether sentences go to a terminal, so that a bar may move there.
 pub(crate) fn is_terminal() -> bool {
     io::stderr().is_terminal()

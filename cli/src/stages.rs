@@ -1,5 +1,7 @@
 //! Times the stages of a job, measures their peak memory, and shows their progress on a terminal.
 
+mod left;
+
 use std::sync::{Mutex, MutexGuard, PoisonError};
 use std::thread;
 use std::time::{Duration, Instant};
@@ -38,25 +40,37 @@ pub(crate) struct Stages {
 #[derive(Default)]
 struct State {
     done: Vec<Stage>,
-    running: Option<(ProgressBar, Instant)>,
+    running: Option<Running>,
+}
+
+/// A step that runs, and on what.
+struct Running {
+    step: Step,
+    subject: String,
+    bar: ProgressBar,
+    start: Instant,
 }
 
 impl Observer for Stages {
     fn begin(&self, step: Step, subject: &str) {
         let bar = progress_bar(step.name(), subject);
         HEAP.reset_peak_usage();
-        self.state().running = Some((bar, Instant::now()));
+        let subject = print::one_line(subject).into_owned();
+        self.state().running = Some(Running { step, subject, bar, start: Instant::now() });
     }
 
     fn progress(&self, share: f64) {
-        if let Some((bar, _)) = &self.state().running {
-            bar.set_position((share.clamp(0.0, 1.0) * STEPS as f64) as u64);
+        let state = self.state();
+        let Some(Running { step, subject, bar, start }) = &state.running else { return };
+        bar.set_position((share.clamp(0.0, 1.0) * STEPS as f64) as u64);
+        if let Some(left_s) = left::of_bake(*step, share, start.elapsed().as_secs_f64()) {
+            bar.set_message(format!("{subject}, about {} left", print::duration(left_s)));
         }
     }
 
     fn end(&self, step: Step) {
         let mut state = self.state();
-        let Some((bar, start)) = state.running.take() else { return };
+        let Some(Running { bar, start, .. }) = state.running.take() else { return };
         let seconds = start.elapsed().as_secs_f64();
         let peak_bytes = HEAP.peak_usage() as u64;
         bar.finish_and_clear();

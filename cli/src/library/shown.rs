@@ -134,7 +134,7 @@ impl State {
         let Some(bars) = &self.bars else { return };
         let State { total, ended, stored, failed, .. } = self;
         let running = bars.running();
-        let left = left::text(self.left.seconds());
+        let left = print::duration(self.left.seconds());
         bars.all(
             *ended,
             *total,

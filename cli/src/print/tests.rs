@@ -59,3 +59,8 @@ fn a_long_message_ends_with_its_length() {
     let text = message(&"ä".repeat(200_000));
     assert!(text.ends_with(" ... (400006 bytes in all)\n") && text.len() <= MAX_MESSAGE_BYTES);
 }
+
+#[test]
+fn times_are_told_in_the_unit_that_fits() {
+    assert_eq!([7.4, 600.0, 9000.0].map(duration), ["7 s", "10 min", "2.5 h"]);
+}

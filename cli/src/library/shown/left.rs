@@ -51,15 +51,6 @@ impl Left {
     }
 }
 
-/// "40 s", "12 min", "3.5 h".
-pub(super) fn text(seconds: f64) -> String {
-    match seconds {
-        s if s < 90.0 => format!("{s:.0} s"),
-        s if s < 5400.0 => format!("{:.0} min", s / 60.0),
-        s => format!("{:.1} h", s / 3600.0),
-    }
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -80,6 +71,5 @@ mod tests {
         left.ended("d", Some(1.0));
         left.ended("d", Some(1.0));
         assert_eq!(left.seconds(), 0.0);
-        assert_eq!([7.4, 600.0, 9000.0].map(text), ["7 s", "10 min", "2.5 h"]);
     }
 }
