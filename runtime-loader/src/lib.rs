@@ -59,7 +59,7 @@ pub mod view;
 
 /// Samplers below [`SpeciesLight`], of one model each, the near beam in a medium, and what a sun gives each basis.
 pub mod samplers {
-    pub use crate::near_beam::{Marcher, PreparedSun, RayOffsets, offset, seed_of};
+    pub use crate::near_beam::{Marcher, PreparedSun, RayOffsets, SunRing, offset, seed_of};
     pub use crate::physical::PhysicalSampler;
     pub use crate::sampler::{SpeciesSampler, bases_needed};
     pub use crate::sun_terms::SunTerms;

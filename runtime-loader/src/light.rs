@@ -27,6 +27,7 @@
 pub(crate) mod cursor;
 mod cursors;
 pub(crate) mod instance;
+mod rings;
 mod sky;
 
 use flb_format::beam::Near;
@@ -35,6 +36,7 @@ use flb_format::{Grid, Transform};
 pub use cursors::LightCursors;
 pub use flb_format::sky_part::SkyPart;
 pub use instance::KeptLight;
+pub use rings::{RING_STEP_DEG, SunRings};
 #[cfg(feature = "gpu")]
 pub(crate) use sky::{OTHER_ROWS, SkyRows};
 pub use sky::{SkyBeams, SkyLight};

@@ -2,6 +2,7 @@
 
 pub(crate) mod dense;
 mod march;
+pub(crate) mod ring;
 mod sites;
 
 use flb_format::beam::MAX_MEANS;
@@ -10,6 +11,7 @@ use flb_format::beam::MAX_MEANS;
 pub(crate) use march::CANDIDATES;
 pub(crate) use march::everywhere;
 pub use march::{Marcher, RayOffsets, offset, seed_of};
+pub use ring::SunRing;
 pub(crate) use sites::MediumSites;
 
 use crate::sun_terms::SunTerms;

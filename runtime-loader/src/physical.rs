@@ -6,7 +6,8 @@
 //! PhysicalSampler -> Marcher: the near beam of one point by marches through the extinction, for suns that are too many
 //! ```
 //!
-//! Prepare for a sun that lights many points. March for a forest, where every instance turns the sun another way:
+//! Prepare for a sun that lights many points. For a forest, where every instance turns the sun another way, there are
+//! rings of suns ([`crate::light::SunRings`]), or marches:
 //! nothing is kept per instance, but a sample costs `4 x offsets` marches. `cargo bench -p flb-runtime --bench
 //! physical` prints both prices; on an oak, three bands, degree 2, one core of a shared machine of two (rays of singly
 //! scattered light are laid once for all suns; the others cost next to nothing).

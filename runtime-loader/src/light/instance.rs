@@ -5,6 +5,7 @@ use std::sync::Arc;
 use flb_format::beam::{BEAM_RAYS, MAX_MEANS, Near};
 
 use super::Daylight;
+use super::rings::Faded;
 use super::sky::SkyLight;
 use crate::RuntimeError;
 use crate::near_beam::{MediumSites, PreparedSun, RayOffsets, seed_of};
@@ -19,7 +20,7 @@ pub struct InstanceLight<'a> {
     pub(super) species: &'a ResidentSpecies,
     pub(super) terms: Terms,
     /// The near beam at all sites, found beforehand; else it is marched for.
-    prepared: Option<(&'a MediumSites, Arc<PreparedSun>)>,
+    prepared: Option<(&'a MediumSites, Prepared)>,
     offsets: RayOffsets,
     /// What its neighbours do, and its number among them.
     among: Option<(&'a SceneLightAtSun<'a>, u32)>,
@@ -31,12 +32,19 @@ pub struct InstanceLight<'a> {
     uneven: Option<&'a SkyLight<'a>>,
 }
 
+/// The near beam of a sun, found beforehand.
+#[derive(Debug, Clone)]
+enum Prepared {
+    Sun(Arc<PreparedSun>),
+    Rings(Faded),
+}
+
 /// The light of one plant to be kept from frame to frame, without a borrow of its species
 /// ([`super::SpeciesLight::lit_again`]).
 #[derive(Debug, Clone)]
 pub struct KeptLight {
     terms: Terms,
-    prepared: Option<Arc<PreparedSun>>,
+    prepared: Option<Prepared>,
     offsets: RayOffsets,
     generation: u64,
 }
@@ -49,7 +57,7 @@ impl<'a> InstanceLight<'a> {
         }
         let lit = InstanceLight { offsets: kept.offsets, ..InstanceLight::of_terms(species, kept.terms) };
         Some(match &kept.prepared {
-            Some(sun) => lit.prepared_as(sun),
+            Some(prepared) => lit.prepare(|_, _, _| prepared.clone()),
             None => lit,
         })
     }
@@ -59,7 +67,7 @@ impl<'a> InstanceLight<'a> {
     pub fn keep(&self) -> KeptLight {
         KeptLight {
             terms: self.terms,
-            prepared: self.prepared_sun().cloned(),
+            prepared: self.prepared.as_ref().map(|(_, prepared)| prepared.clone()),
             offsets: self.offsets,
             generation: self.species.generation(),
         }
@@ -134,7 +142,7 @@ impl<'a> InstanceLight<'a> {
     pub fn prepared(self) -> InstanceLight<'a> {
         self.prepare(|species, sites, terms| {
             let near = sites.near(species.needs_single());
-            Arc::new(sites.prepare(species.suns(), &near, terms, BEAM_RAYS))
+            Prepared::Sun(Arc::new(sites.prepare(species.suns(), &near, terms, BEAM_RAYS)))
         })
     }
 
@@ -143,19 +151,21 @@ impl<'a> InstanceLight<'a> {
     #[must_use]
     pub fn prepared_by(self, near: Option<&Near>) -> InstanceLight<'a> {
         let Some(near) = near else { return self };
-        self.prepare(|species, sites, terms| Arc::new(sites.prepare(species.suns(), near, terms, BEAM_RAYS)))
+        self.prepare(|species, sites, terms| {
+            Prepared::Sun(Arc::new(sites.prepare(species.suns(), near, terms, BEAM_RAYS)))
+        })
     }
 
     /// Returns the light with the near beam of the same sun that was prepared for another file of the same medium,
     /// whose fields depend on the sun in the same way ([`InstanceLight::prepared_sun`]).
     #[must_use]
     pub fn prepared_as(self, other: &Arc<PreparedSun>) -> InstanceLight<'a> {
-        self.prepare(|_, _, _| other.clone())
+        self.prepare(|_, _, _| Prepared::Sun(Arc::clone(other)))
     }
 
     fn prepare(
         self,
-        sun: impl FnOnce(&ResidentSpecies, &MediumSites, SunTerms) -> Arc<PreparedSun>,
+        sun: impl FnOnce(&ResidentSpecies, &MediumSites, SunTerms) -> Prepared,
     ) -> InstanceLight<'a> {
         if !self.terms.needs_near() {
             return self;
@@ -166,9 +176,17 @@ impl<'a> InstanceLight<'a> {
         InstanceLight { prepared: Some((sites, prepared)), ..self }
     }
 
+    /// The light by rings of the same species.
+    pub(super) fn found_by_rings(self, faded: Faded) -> InstanceLight<'a> {
+        self.prepare(|_, _, _| Prepared::Rings(faded))
+    }
+
     /// Near beam that [`InstanceLight::prepared`] found; `None` where nothing was prepared, or nothing needed to be.
     pub fn prepared_sun(&self) -> Option<&Arc<PreparedSun>> {
-        self.prepared.as_ref().map(|(_, sun)| sun)
+        match &self.prepared {
+            Some((_, Prepared::Sun(sun))) => Some(sun),
+            _ => None,
+        }
     }
 
     /// The sun's beam at a point of the model at rest, metres, of a sun of irradiance 1: that of the point's own site
@@ -245,7 +263,10 @@ impl<'a> InstanceLight<'a> {
             return Default::default();
         }
         match &self.prepared {
-            Some((sites, sun)) => sites.near_at(sun, self.species.needs_single(), point_m),
+            Some((sites, Prepared::Sun(sun))) => sites.near_at(sun, self.species.needs_single(), point_m),
+            Some((sites, Prepared::Rings(faded))) => {
+                faded.near_at(sites, self.species.needs_single(), self.terms.towards_sun(), point_m)
+            }
             None => self.offsets.with(seed_of(point_m), |offsets| {
                 self.species.near(point_m, self.terms.towards_sun(), offsets)
             }),

@@ -22,6 +22,52 @@ pub(crate) struct MediumSites {
     sites: Vec<u32>,
     /// `[site]`: place in `sites`, or [`EMPTY`].
     place: Vec<u32>,
+    /// `[z][y][x]` of the blocks of 4^3: number among those with matter, or [`EMPTY`].
+    blocks: Vec<u32>,
+    block_count: usize,
+}
+
+/// Edge of a block, in sites.
+const BLOCK: usize = 4;
+
+/// Sites with matter around a point and blocks with matter around it, each with its trilinear weight.
+pub(crate) struct AroundBlocks {
+    /// Place and block of each site.
+    sites: [(u32, u32, f32); 8],
+    site_count: usize,
+    site_weight: f32,
+    blocks: [(u32, f32); 8],
+    block_count: usize,
+    block_weight: f32,
+}
+
+impl AroundBlocks {
+    /// Whether no site around the point has matter.
+    pub(crate) fn is_empty(&self) -> bool {
+        self.site_weight <= 0.0
+    }
+
+    /// Place, block and weight of each site.
+    pub(crate) fn sites(&self) -> impl Iterator<Item = (usize, usize, f32)> {
+        self.sites[..self.site_count]
+            .iter()
+            .map(|(place, block, weight)| (*place as usize, *block as usize, *weight))
+    }
+
+    /// Each block and its weight.
+    pub(crate) fn blocks(&self) -> impl Iterator<Item = (usize, f32)> {
+        self.blocks[..self.block_count].iter().map(|(block, weight)| (*block as usize, *weight))
+    }
+
+    /// 1 over the weights of the sites.
+    pub(crate) fn per_site(&self) -> f32 {
+        1.0 / self.site_weight
+    }
+
+    /// 1 over the weights of the blocks.
+    pub(crate) fn per_block(&self) -> f32 {
+        1.0 / self.block_weight
+    }
 }
 
 impl MediumSites {
@@ -46,7 +92,17 @@ impl MediumSites {
     fn listed(turbid: TurbidMedium, mut place: Vec<u32>) -> MediumSites {
         let sites = turbid.sites();
         (0..).zip(&sites).for_each(|(at, &site)| place[site as usize] = at);
-        MediumSites { turbid, sites, place }
+        let edge = turbid.grid.lattice as usize;
+        let mut blocks = vec![EMPTY; (edge / BLOCK).pow(3)];
+        let mut block_count = 0;
+        for &site in &sites {
+            let block = &mut blocks[block_at(edge, site as usize)];
+            if *block == EMPTY {
+                *block = block_count;
+                block_count += 1;
+            }
+        }
+        MediumSites { turbid, sites, place, blocks, block_count: block_count as usize }
     }
 
     /// The extinction, in m^-1.
@@ -66,7 +122,59 @@ impl MediumSites {
 
     /// Memory that extinction and lists take.
     pub(crate) fn size_bytes(&self) -> usize {
-        self.turbid.leaf_per_m.len() * 8 + (self.sites.len() + self.place.len()) * 4
+        self.turbid.leaf_per_m.len() * 8 + (self.sites.len() + self.place.len() + self.blocks.len()) * 4
+    }
+
+    /// Blocks of 4^3 that hold matter.
+    pub(crate) fn block_count(&self) -> usize {
+        self.block_count
+    }
+
+    /// The number of the block that a place lies in.
+    pub(crate) fn block_of(&self, place: usize) -> usize {
+        self.blocks[block_at(self.turbid.grid.lattice as usize, self.sites[place] as usize)] as usize
+    }
+
+    /// Sites and blocks with matter around a point.
+    pub(crate) fn around_with_blocks(&self, point_model_m: [f32; 3]) -> AroundBlocks {
+        let edge = self.turbid.grid.lattice as usize;
+        let mut around = AroundBlocks {
+            sites: [(0, 0, 0.0); 8],
+            site_count: 0,
+            site_weight: 0.0,
+            blocks: [(0, 0.0); 8],
+            block_count: 0,
+            block_weight: 0.0,
+        };
+        self.around_sites(point_model_m, |site, place, weight| {
+            let block = self.blocks[block_at(edge, site)];
+            around.sites[around.site_count] = (place as u32, block, weight);
+            around.site_count += 1;
+            around.site_weight += weight;
+        });
+        if around.is_empty() {
+            return around;
+        }
+        let blocks = edge / BLOCK;
+        let last = (blocks - 1) as f64;
+        let point = self.turbid.grid.lattice_from_model(point_model_m.map(f64::from));
+        // Written so that a NaN is the lower end.
+        let at = point.map(|c| (c / BLOCK as f64 - 0.5).max(0.0).min(last));
+        let low = at.map(|c| (c as usize).min(blocks - 2));
+        let part: [f32; 3] = std::array::from_fn(|axis| (at[axis] - low[axis] as f64) as f32);
+        for ([x, y, z], weight) in corners(part) {
+            let block = self.blocks[((low[2] + z) * blocks + low[1] + y) * blocks + low[0] + x];
+            if block != EMPTY {
+                around.blocks[around.block_count] = (block, weight);
+                around.block_count += 1;
+                around.block_weight += weight;
+            }
+        }
+        if around.block_weight <= 0.0 {
+            // A site at the edge of its block: its own block is no neighbour of the point's.
+            (around.blocks[0], around.block_count, around.block_weight) = ((around.sites[0].1, 1.0), 1, 1.0);
+        }
+        around
     }
 
     /// What makes near beams of suns; `single` says whether they need light scattered once.
@@ -112,6 +220,11 @@ impl MediumSites {
 
     /// Tells the places of those of the eight sites around a point that hold matter, with their trilinear weights.
     pub(crate) fn around(&self, point_model_m: [f32; 3], mut tell: impl FnMut(usize, f32)) {
+        self.around_sites(point_model_m, |_, place, weight| tell(place, weight));
+    }
+
+    /// The same with the sites.
+    fn around_sites(&self, point_model_m: [f32; 3], mut tell: impl FnMut(usize, usize, f32)) {
         let grid = &self.turbid.grid;
         let at = locate(grid.lattice, grid.lattice_from_model(point_model_m.map(f64::from)));
         let n = grid.lattice as usize;
@@ -124,8 +237,14 @@ impl MediumSites {
         for ([x, y, z], weight) in corners(part) {
             let site = ((first[2] + z) * n + first[1] + y) * n + first[0] + x;
             if let Some(place) = self.place_of(site) {
-                tell(place, weight);
+                tell(site, place, weight);
             }
         }
     }
+}
+
+/// The place of the block of a site among all blocks.
+fn block_at(edge: usize, site: usize) -> usize {
+    let (blocks, [x, y, z]) = (edge / BLOCK, [site % edge, site / edge % edge, site / (edge * edge)]);
+    (z / BLOCK * blocks + y / BLOCK) * blocks + x / BLOCK
 }
