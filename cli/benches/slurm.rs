@@ -11,7 +11,6 @@ mod flb;
 
 use std::fmt::Write;
 use std::fs;
-use std::process::Command;
 use std::time::Instant;
 
 use cluster::Cluster;
@@ -22,24 +21,13 @@ const SPECIES: usize = 24;
 const CHUNK_S: &str = "15";
 
 fn farm() -> Folder {
-    let folder = Folder::with_plants(&["shrub"]);
+    let folder = Folder::new();
     let mut text = "[bake]\nlattice = 32\n".to_owned();
     for number in 0..SPECIES {
-        folder
-            .flb(&[
-                "grow",
-                "shrub",
-                "--seed",
-                &number.to_string(),
-                "--triangles",
-                "4000",
-                "-o",
-                "shrub.glb",
-                "--force",
-            ])
-            .expect_code(0);
-        folder.write(&format!("shrub-{number}.glb"), folder.read("shrub.glb"));
-        let _ = write!(text, "[[species]]\nmesh = 'shrub-{number}.glb'\n");
+        let (seed, mesh) = (number.to_string(), format!("shrub-{number}.glb"));
+        let grow = ["grow", "shrub", "--triangles", "4000", "--seed", &seed, "-o", &mesh];
+        folder.flb(&grow).expect_code(0);
+        let _ = write!(text, "[[species]]\nmesh = '{mesh}'\n");
     }
     folder.write("library.toml", text);
     folder
@@ -72,8 +60,7 @@ fn main() {
     let two_s = on_cluster(&cluster);
     assert!(cluster.folder.read("library/library.flb") == alone, "the same bytes");
     let drain = ["update", "NodeName=n2", "State=DRAIN", "Reason=alone"];
-    let mut command: Command = cluster.command("scontrol");
-    assert!(command.args(drain).status().expect("Slurm").success());
+    assert!(cluster.command("scontrol").args(drain).status().expect("Slurm").success());
     let one_s = on_cluster(&cluster);
     println!(
         "{SPECIES} species: without an engine, one core {alone_s:.1} s; one node {one_s:.1} s, two nodes {two_s:.1} s"

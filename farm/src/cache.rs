@@ -15,9 +15,10 @@ mod shelf;
 use std::collections::HashSet;
 use std::fs;
 use std::sync::Mutex;
-use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
+use std::sync::atomic::{AtomicBool, Ordering};
 
 use flb_baker::bake::Store;
+use serde::Serialize;
 
 use crate::FarmError;
 use folder::Folder;
@@ -41,12 +42,12 @@ pub struct Cache<'t> {
     is_full: AtomicBool,
     /// Entries that were refused, and are to be replaced.
     refused: Mutex<HashSet<String>>,
-    traffic: Counted,
+    traffic: Mutex<Traffic>,
     tell: Tell<'t>,
 }
 
 /// Entries and bytes that went into a cache and came out of it.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize)]
 pub struct Traffic {
     /// Entries that were asked for, whether they were there or not.
     pub asked: u64,
@@ -56,14 +57,6 @@ pub struct Traffic {
     pub written: u64,
     /// Bytes of them.
     pub written_bytes: u64,
-}
-
-#[derive(Default)]
-struct Counted {
-    asked: AtomicU64,
-    read_bytes: AtomicU64,
-    written: AtomicU64,
-    written_bytes: AtomicU64,
 }
 
 impl Store for Cache<'_> {
@@ -118,7 +111,7 @@ impl<'t> Cache<'t> {
             is_shut: AtomicBool::new(false),
             is_full: AtomicBool::new(false),
             refused: Mutex::default(),
-            traffic: Counted::default(),
+            traffic: Mutex::default(),
             tell,
         }
     }
@@ -131,12 +124,7 @@ impl<'t> Cache<'t> {
         Ok(Cache { shelf: Some(shelf_of(place)?), place: Some(place.clone()), ..Cache::none(tell) })
     }
 
-    /// Where results are kept.
-    pub fn place(&self) -> Option<&Place> {
-        self.place.as_ref()
-    }
-
-    /// The cache of what belongs to this machine alone: the same, or beside a manifest where this one is a bucket.
+    /// The cache of what belongs to this machine alone, beside a manifest, where this one is a bucket.
     pub(crate) fn of_machine(&self, manifest: &std::path::Path) -> Option<Cache<'t>> {
         match &self.place {
             Some(place) if place.folder().is_none() => {
@@ -149,13 +137,13 @@ impl<'t> Cache<'t> {
     /// The bytes of an entry; `None` if there is none, or if it cannot be read.
     pub fn read(&self, entry: &str) -> Option<Vec<u8>> {
         let shelf = self.open_shelf()?;
-        self.traffic.asked.fetch_add(1, Ordering::Relaxed);
-        match shelf.get(entry) {
-            Ok(found) => {
-                let bytes = found.as_ref().map_or(0, Vec::len) as u64;
-                self.traffic.read_bytes.fetch_add(bytes, Ordering::Relaxed);
-                found
-            }
+        let found = shelf.get(entry);
+        self.count(|traffic| {
+            traffic.asked += 1;
+            traffic.read_bytes += found.iter().flatten().map(|bytes| bytes.len() as u64).sum::<u64>();
+        });
+        match found {
+            Ok(found) => found,
             Err(NotRead::Entry(reason)) => {
                 self.damaged(entry, &reason);
                 None
@@ -169,11 +157,9 @@ impl<'t> Cache<'t> {
 
     /// Whether there is an entry.
     pub fn has(&self, entry: &str) -> bool {
-        let found = self.open_shelf().map(|shelf| {
-            self.traffic.asked.fetch_add(1, Ordering::Relaxed);
-            shelf.has(entry)
-        });
-        found.is_some_and(|found| found.inspect_err(|reason| self.shut(reason)).unwrap_or(false))
+        let Some(shelf) = self.open_shelf() else { return false };
+        self.count(|traffic| traffic.asked += 1);
+        shelf.has(entry).inspect_err(|reason| self.shut(reason)).unwrap_or(false)
     }
 
     /// Keeps an entry, whole or not at all.
@@ -185,10 +171,10 @@ impl<'t> Cache<'t> {
             false => Writing::Create,
         };
         match shelf.put(entry, bytes, writing) {
-            Ok(()) => {
-                self.traffic.written.fetch_add(1, Ordering::Relaxed);
-                self.traffic.written_bytes.fetch_add(bytes.len() as u64, Ordering::Relaxed);
-            }
+            Ok(()) => self.count(|traffic| {
+                traffic.written += 1;
+                traffic.written_bytes += bytes.len() as u64;
+            }),
             Err(error) => self.close(&error),
         }
     }
@@ -196,20 +182,16 @@ impl<'t> Cache<'t> {
     /// Tells that an entry cannot be used; the next of its name takes its place.
     pub fn damaged(&self, entry: &str, reason: &str) {
         self.refused.lock().expect("no holder panics").insert(entry.to_owned());
-        let name = self.shelf.as_ref().map(|shelf| shelf.name(entry)).unwrap_or_default();
-        (self.tell)(&format!("{name}: {reason}; made again"));
+        (self.tell)(&format!("{}: {reason}; made again", self.name(entry)));
     }
 
     /// Returns how much went in and came out so far.
     pub fn traffic(&self) -> Traffic {
-        let of = |count: &AtomicU64| count.load(Ordering::Relaxed);
-        let Counted { asked, read_bytes, written, written_bytes } = &self.traffic;
-        Traffic {
-            asked: of(asked),
-            read_bytes: of(read_bytes),
-            written: of(written),
-            written_bytes: of(written_bytes),
-        }
+        *self.traffic.lock().expect("no holder panics")
+    }
+
+    fn count(&self, add: impl FnOnce(&mut Traffic)) {
+        add(&mut self.traffic.lock().expect("no holder panics"));
     }
 
     /// Every file of the place.

@@ -23,7 +23,7 @@ pub use remote::replay;
 #[cfg(feature = "remote")]
 pub use remote::{
     Bucket, BucketError, EnvironmentError, HEAD_BYTES, Listed, MAX_OBJECT_BYTES, RemoteError, RemoteSettings,
-    RemoteSource, RemoteUrl, Writing, is_private,
+    RemoteSource, RemoteUrl, is_private,
 };
 pub use replaced::{ATTEMPTS, Replaced, is_replaced, retry_replaced};
 

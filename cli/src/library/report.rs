@@ -23,15 +23,7 @@ pub(super) struct Report {
     pub(super) species: Vec<SpeciesReport>,
     library_bytes: Option<u64>,
     left_over: Option<Vec<String>>,
-    cache: Option<CacheReport>,
-}
-
-#[derive(Serialize)]
-struct CacheReport {
-    asked: u64,
-    read_bytes: u64,
-    written: u64,
-    written_bytes: u64,
+    cache: Option<Traffic>,
 }
 
 #[derive(Serialize)]
@@ -81,9 +73,8 @@ impl Report {
 
     /// Of a build.
     pub(super) fn of_build(manifest: &Manifest, summary: &Summary, traffic: Traffic) -> Report {
-        let Traffic { asked, read_bytes, written, written_bytes } = traffic;
         Report {
-            cache: Some(CacheReport { asked, read_bytes, written, written_bytes }),
+            cache: Some(traffic),
             library_bytes: summary.library_bytes,
             left_over: Some(summary.left_over.clone()),
             ..Report::new(manifest, summary.species.iter().map(SpeciesReport::of_built).collect())

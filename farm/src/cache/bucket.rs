@@ -31,11 +31,11 @@ impl Shelf for Bucket {
     }
 
     fn put(&self, entry: &str, bytes: &[u8], writing: Writing) -> Result<(), String> {
-        let writing = match writing {
-            Writing::Create => source::Writing::Create,
-            Writing::Replace => source::Writing::Replace,
+        let put = match writing {
+            Writing::Create => self.bucket.create(entry, bytes),
+            Writing::Replace => self.bucket.replace(entry, bytes),
         };
-        self.bucket.put(entry, bytes, writing).map_err(|error| error.to_string())
+        put.map_err(|error| error.to_string())
     }
 
     fn list(&self) -> Result<Vec<Listed>, FarmError> {

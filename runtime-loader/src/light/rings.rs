@@ -10,8 +10,8 @@ use std::sync::Arc;
 
 use flb_format::beam::{MAX_MEANS, Near};
 
-use crate::near_beam::ring::{OnRing, SunRing, elevation};
-use crate::near_beam::{MediumSites, dense, everywhere};
+use crate::near_beam::MediumSites;
+use crate::near_beam::ring::{OnRing, SunRing, elevation_deg};
 use crate::{InstanceLight, SpeciesLight};
 
 /// Degrees of height from ring to ring.
@@ -50,7 +50,7 @@ pub struct SunRings {
 impl SunRings {
     /// Steps of height that a sun lies between, along a direction in the frame of the model.
     pub fn steps(towards_sun: [f64; 3]) -> [i32; 2] {
-        let low = libm::floor(elevation(towards_sun).to_degrees() / RING_STEP_DEG);
+        let low = libm::floor(elevation_deg(towards_sun) / RING_STEP_DEG);
         // Straight up there is nothing above.
         let low = low.min(90.0 / RING_STEP_DEG - 1.0) as i32;
         [low, low + 1]
@@ -79,7 +79,7 @@ impl SunRings {
     /// The rings that a sun lies between; the one that is there alone where the other is missing.
     fn faded(&self, towards_sun: [f64; 3]) -> Option<Faded> {
         let steps = SunRings::steps(towards_sun);
-        let share = elevation(towards_sun).to_degrees() / RING_STEP_DEG - f64::from(steps[0]);
+        let share = elevation_deg(towards_sun) / RING_STEP_DEG - f64::from(steps[0]);
         let at = |step: i32| self.rings.get(&step).map(|ring| (Arc::clone(ring), ring.place(towards_sun)));
         match steps.map(at) {
             [Some(low), Some(high)] => Some(Faded { low, high: Some((high, share as f32)) }),
@@ -106,9 +106,8 @@ impl Faded {
         point_model_m: [f32; 3],
     ) -> [f32; MAX_MEANS] {
         let around = sites.around_with_blocks(point_model_m);
-        if around.is_empty() {
-            let point = sites.turbid().grid.lattice_from_model(point_model_m.map(f64::from));
-            return everywhere(dense::transmittance(sites.turbid(), point, towards_sun), single);
+        if around.sites.is_empty() {
+            return sites.beam_alone(towards_sun, single, point_model_m);
         }
         let of = |(ring, place): &(Arc<SunRing>, OnRing)| ring.sample(*place, &around);
         let low = of(&self.low);
@@ -129,8 +128,7 @@ impl SpeciesLight<'_> {
     pub fn sun_ring(&self, near: &Near, step: i32) -> Option<SunRing> {
         let species = self.resident();
         let sites = species.sites().filter(|_| species.suns().has_near_beam())?;
-        let elevation_rad = (f64::from(step) * RING_STEP_DEG).to_radians();
-        Some(SunRing::of(sites, near, species.needs_single(), elevation_rad))
+        Some(SunRing::of(sites, near, species.needs_single(), f64::from(step) * RING_STEP_DEG))
     }
 }
 

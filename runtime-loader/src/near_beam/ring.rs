@@ -7,10 +7,11 @@
 
 mod packed;
 
-use std::f64::consts::{PI, TAU};
+use std::f64::consts::TAU;
 
 use flb_format::beam::single::BESIDE;
 use flb_format::beam::{BEAM_RAYS, Beam, MAX_MEANS, Near};
+use flb_format::sun::towards_sun;
 
 use super::MediumSites;
 use super::sites::AroundBlocks;
@@ -24,8 +25,7 @@ const MIN_TURNS: f64 = 4.0;
 /// Near beams of suns all around a plant, at one height above the horizon of its model.
 #[derive(Debug, Clone, PartialEq)]
 pub struct SunRing {
-    elevation_rad: f64,
-    /// By azimuth, from the first, which has azimuth 0.
+    /// Clockwise from above; the first stands in the north.
     turns: Vec<Turn>,
 }
 
@@ -38,10 +38,10 @@ pub(crate) struct OnRing {
 
 impl SunRing {
     /// Finds the near beams of all suns of a ring.
-    pub(crate) fn of(sites: &MediumSites, near: &Near, single: bool, elevation_rad: f64) -> SunRing {
-        let count = turns_at(elevation_rad);
-        let suns: Vec<[f64; 3]> =
-            (0..count).map(|turn| towards(elevation_rad, TAU * turn as f64 / count as f64)).collect();
+    pub(crate) fn of(sites: &MediumSites, near: &Near, single: bool, elevation_deg: f64) -> SunRing {
+        let count = turns_at(elevation_deg);
+        let sun = |turn| towards_sun(360.0 * turn as f64 / count as f64, elevation_deg);
+        let suns: Vec<[f64; 3]> = (0..count).map(sun).collect();
         let mut turns = Vec::with_capacity(count);
         for some in suns.chunks(BESIDE) {
             let beams: Vec<Beam> = some.iter().map(|sun| near.uncollided(*sun, BEAM_RAYS)).collect();
@@ -52,12 +52,7 @@ impl SunRing {
                 turns.push(Turn::of(sites, single, &all));
             }
         }
-        SunRing { elevation_rad, turns }
-    }
-
-    /// Height of its suns above the horizon of the model, in radians.
-    pub fn elevation_rad(&self) -> f64 {
-        self.elevation_rad
+        SunRing { turns }
     }
 
     /// Number of suns.
@@ -73,10 +68,10 @@ impl SunRing {
     /// The place of a sun, whatever its height.
     pub(crate) fn place(&self, towards_sun: [f64; 3]) -> OnRing {
         let count = self.turns.len();
-        let azimuth = azimuth(towards_sun) / TAU * count as f64;
-        let first = libm::floor(azimuth);
+        let turns = turned(towards_sun) * count as f64;
+        let first = libm::floor(turns);
         let turn = first as usize % count;
-        OnRing { turns: [turn, (turn + 1) % count], share: (azimuth - first) as f32 }
+        OnRing { turns: [turn, (turn + 1) % count], share: (turns - first) as f32 }
     }
 
     /// Means of the near beam near sites with matter.
@@ -87,26 +82,17 @@ impl SunRing {
 }
 
 /// Suns of a ring at a height.
-fn turns_at(elevation_rad: f64) -> usize {
-    libm::ceil((TURNS * libm::cos(elevation_rad)).max(MIN_TURNS)) as usize
+fn turns_at(elevation_deg: f64) -> usize {
+    libm::ceil((TURNS * libm::cos(elevation_deg.to_radians())).max(MIN_TURNS)) as usize
 }
 
-/// The unit vector towards a sun of the model's frame.
-fn towards(elevation_rad: f64, azimuth_rad: f64) -> [f64; 3] {
-    let (across, up) = (libm::cos(elevation_rad), libm::sin(elevation_rad));
-    [across * libm::sin(azimuth_rad), up, across * libm::cos(azimuth_rad)]
+/// Share of a whole turn from north to a direction, clockwise from above.
+fn turned([x, _, z]: [f64; 3]) -> f64 {
+    let turned = libm::atan2(x, -z) / TAU;
+    turned - libm::floor(turned)
 }
 
-/// From 0 to below a whole turn.
-fn azimuth([x, _, z]: [f64; 3]) -> f64 {
-    let azimuth = libm::atan2(x, z);
-    let turned = if azimuth < 0.0 { azimuth + TAU } else { azimuth };
-    if turned < TAU { turned } else { 0.0 }
-}
-
-/// Height of a direction above the horizon, in radians.
-pub(crate) fn elevation(direction: [f64; 3]) -> f64 {
-    let [x, y, z] = direction;
-    let elevation = libm::atan2(y, libm::sqrt(x * x + z * z));
-    elevation.clamp(-PI / 2.0, PI / 2.0)
+/// Height of a direction above the horizon, in degrees.
+pub(crate) fn elevation_deg([x, y, z]: [f64; 3]) -> f64 {
+    libm::atan2(y, libm::sqrt(x * x + z * z)).to_degrees()
 }

@@ -30,44 +30,41 @@ pub(crate) struct MediumSites {
 /// Edge of a block, in sites.
 const BLOCK: usize = 4;
 
-/// Sites with matter around a point and blocks with matter around it, each with its trilinear weight.
-pub(crate) struct AroundBlocks {
-    /// Place and block of each site.
-    sites: [(u32, u32, f32); 8],
-    site_count: usize,
-    site_weight: f32,
-    blocks: [(u32, f32); 8],
-    block_count: usize,
-    block_weight: f32,
+/// Up to eight neighbours of a point that hold matter, with their trilinear weights.
+pub(crate) struct Around<T> {
+    found: [(T, f32); 8],
+    count: usize,
+    weight: f32,
 }
 
-impl AroundBlocks {
-    /// Whether no site around the point has matter.
+impl<T: Copy> Around<T> {
+    fn new(none: T) -> Around<T> {
+        Around { found: [(none, 0.0); 8], count: 0, weight: 0.0 }
+    }
+
+    fn push(&mut self, one: T, weight: f32) {
+        self.found[self.count] = (one, weight);
+        self.count += 1;
+        self.weight += weight;
+    }
+
+    /// Whether none of them counts.
     pub(crate) fn is_empty(&self) -> bool {
-        self.site_weight <= 0.0
+        self.weight <= 0.0
     }
 
-    /// Place, block and weight of each site.
-    pub(crate) fn sites(&self) -> impl Iterator<Item = (usize, usize, f32)> {
-        self.sites[..self.site_count]
-            .iter()
-            .map(|(place, block, weight)| (*place as usize, *block as usize, *weight))
+    /// The mean of a value over them.
+    pub(crate) fn mean(&self, value: impl Fn(T) -> f32) -> f32 {
+        let sum: f32 = self.found[..self.count].iter().map(|(one, weight)| weight * value(*one)).sum();
+        sum * (1.0 / self.weight)
     }
+}
 
-    /// Each block and its weight.
-    pub(crate) fn blocks(&self) -> impl Iterator<Item = (usize, f32)> {
-        self.blocks[..self.block_count].iter().map(|(block, weight)| (*block as usize, *weight))
-    }
-
-    /// 1 over the weights of the sites.
-    pub(crate) fn per_site(&self) -> f32 {
-        1.0 / self.site_weight
-    }
-
-    /// 1 over the weights of the blocks.
-    pub(crate) fn per_block(&self) -> f32 {
-        1.0 / self.block_weight
-    }
+/// Sites and blocks around a point.
+pub(crate) struct AroundBlocks {
+    /// Place and block of each site.
+    pub sites: Around<[u32; 2]>,
+    pub blocks: Around<u32>,
 }
 
 impl MediumSites {
@@ -138,21 +135,11 @@ impl MediumSites {
     /// Sites and blocks with matter around a point.
     pub(crate) fn around_with_blocks(&self, point_model_m: [f32; 3]) -> AroundBlocks {
         let edge = self.turbid.grid.lattice as usize;
-        let mut around = AroundBlocks {
-            sites: [(0, 0, 0.0); 8],
-            site_count: 0,
-            site_weight: 0.0,
-            blocks: [(0, 0.0); 8],
-            block_count: 0,
-            block_weight: 0.0,
-        };
+        let mut around = AroundBlocks { sites: Around::new([0; 2]), blocks: Around::new(0) };
         self.around_sites(point_model_m, |site, place, weight| {
-            let block = self.blocks[block_at(edge, site)];
-            around.sites[around.site_count] = (place as u32, block, weight);
-            around.site_count += 1;
-            around.site_weight += weight;
+            around.sites.push([place as u32, self.blocks[block_at(edge, site)]], weight);
         });
-        if around.is_empty() {
+        if around.sites.is_empty() {
             return around;
         }
         let blocks = edge / BLOCK;
@@ -165,14 +152,14 @@ impl MediumSites {
         for ([x, y, z], weight) in corners(part) {
             let block = self.blocks[((low[2] + z) * blocks + low[1] + y) * blocks + low[0] + x];
             if block != EMPTY {
-                around.blocks[around.block_count] = (block, weight);
-                around.block_count += 1;
-                around.block_weight += weight;
+                around.blocks.push(block, weight);
             }
         }
-        if around.block_weight <= 0.0 {
+        if around.blocks.is_empty() {
             // A site at the edge of its block: its own block is no neighbour of the point's.
-            (around.blocks[0], around.block_count, around.block_weight) = ((around.sites[0].1, 1.0), 1, 1.0);
+            let ([_, block], _) = around.sites.found[0];
+            around.blocks = Around::new(0);
+            around.blocks.push(block, 1.0);
         }
         around
     }
@@ -214,8 +201,18 @@ impl MediumSites {
         if weights > 0.0 {
             return sum.map(|sum| sum / weights);
         }
+        self.beam_alone(prepared.terms.towards_sun, single, point_model_m)
+    }
+
+    /// The near beam of a point that no matter is near: the beam at the point itself, and no light scattered once.
+    pub(crate) fn beam_alone(
+        &self,
+        towards_sun: [f64; 3],
+        single: bool,
+        point_model_m: [f32; 3],
+    ) -> [f32; MAX_MEANS] {
         let point = self.turbid.grid.lattice_from_model(point_model_m.map(f64::from));
-        everywhere(dense::transmittance(&self.turbid, point, prepared.terms.towards_sun), single)
+        everywhere(dense::transmittance(&self.turbid, point, towards_sun), single)
     }
 
     /// Tells the places of those of the eight sites around a point that hold matter, with their trilinear weights.

@@ -45,7 +45,7 @@ mod url;
 mod wire;
 
 pub use address::is_private;
-pub use bucket::{Bucket, BucketError, Listed, MAX_BYTES as MAX_OBJECT_BYTES, Writing};
+pub use bucket::{Bucket, BucketError, Listed, MAX_BYTES as MAX_OBJECT_BYTES};
 pub use error::RemoteError;
 pub use s3::EnvironmentError;
 pub use url::RemoteUrl;

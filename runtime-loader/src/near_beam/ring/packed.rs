@@ -63,12 +63,10 @@ impl Turn {
     pub(super) fn sample(&self, around: &AroundBlocks) -> [f32; MAX_MEANS] {
         let mut means = [0.0; MAX_MEANS];
         for (j, fine) in &self.fine {
-            let sum: f32 = around.sites().map(|(place, block, weight)| weight * fine.at(place, block)).sum();
-            means[*j] = sum * around.per_site();
+            means[*j] = around.sites.mean(|[place, block]| fine.at(place as usize, block as usize));
         }
         for (j, smooth) in &self.smooth {
-            let sum: f32 = around.blocks().map(|(block, weight)| weight * smooth.at(block)).sum();
-            means[*j] = sum * around.per_block();
+            means[*j] = around.blocks.mean(|block| smooth.at(block as usize));
         }
         means
     }
@@ -77,7 +75,7 @@ impl Turn {
 impl Fine {
     fn of(sites: &MediumSites, values: &[f32]) -> Fine {
         let most = largest(values);
-        let root = |place: usize| libm::sqrtf((values[place] / most).clamp(0.0, 1.0)) * MAX_BLOCK_CODE;
+        let root = |place: usize| root_code(values[place], most);
         let mut bounds = vec![[u8::MAX, 0]; sites.block_count()];
         for place in 0..values.len() {
             let [low, high] = &mut bounds[sites.block_of(place)];
@@ -96,8 +94,7 @@ impl Fine {
     fn at(&self, place: usize, block: usize) -> f32 {
         let code = (self.codes[place / 2] >> (4 * (place % 2))) & 0xF;
         let [low, high] = self.bounds[block].map(f32::from);
-        let root = (low + (high - low) * (f32::from(code) / MAX_SITE_CODE)) / MAX_BLOCK_CODE;
-        self.most * root * root
+        value(low + (high - low) * (f32::from(code) / MAX_SITE_CODE), self.most)
     }
 }
 
@@ -111,15 +108,24 @@ impl Smooth {
         }
         let means: Vec<f32> = sums.iter().map(|(sum, count)| sum / *count as f32).collect();
         let most = largest(&means);
-        let code =
-            |mean: &f32| libm::roundf(libm::sqrtf((mean / most).clamp(0.0, 1.0)) * MAX_BLOCK_CODE) as u8;
-        Smooth { most, codes: means.iter().map(code).collect() }
+        let codes = means.iter().map(|mean| libm::roundf(root_code(*mean, most)) as u8).collect();
+        Smooth { most, codes }
     }
 
     fn at(&self, block: usize) -> f32 {
-        let root = f32::from(self.codes[block]) / MAX_BLOCK_CODE;
-        self.most * root * root
+        value(f32::from(self.codes[block]), self.most)
     }
+}
+
+/// The square root of a value, from 0 to [`MAX_BLOCK_CODE`] for the largest.
+fn root_code(value: f32, most: f32) -> f32 {
+    libm::sqrtf((value / most).clamp(0.0, 1.0)) * MAX_BLOCK_CODE
+}
+
+/// The value of a code of a root.
+fn value(code: f32, most: f32) -> f32 {
+    let root = code / MAX_BLOCK_CODE;
+    most * root * root
 }
 
 /// Largest of some values; 1 where all are 0.

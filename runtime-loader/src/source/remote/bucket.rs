@@ -1,6 +1,6 @@
 //! Objects below a prefix of an s3 bucket, whole: for stores of results, which write as well as read.
 //!
-//! - An object appears whole or not at all, and [`Writing::Create`] never replaces one: s3 decides which of two writers
+//! - An object appears whole or not at all, and [`Bucket::create`] never replaces one: s3 decides which of two writers
 //!   was first (`If-None-Match: *`). Servers that do not know the condition are written to without it.
 //! - Failures that may pass are tried again by `object_store`, up to [`LIMIT`].
 //! - Nothing is read that is longer than the answer said, or than [`MAX_BYTES`].
@@ -30,15 +30,6 @@ const LIMIT: Duration = Duration::from_mins(10);
 const IDLE: Duration = Duration::from_mins(2);
 /// Largest object that is read or written: more cannot be put at once.
 pub const MAX_BYTES: u64 = 5 << 30;
-
-/// Whether an object may be there already.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Writing {
-    /// One that is there stays, and that is no error.
-    Create,
-    /// One that is there is replaced.
-    Replace,
-}
 
 /// Objects below a prefix of a bucket. Threads may share it.
 pub struct Bucket {
@@ -156,25 +147,33 @@ impl Bucket {
         })
     }
 
-    /// Writes an object, whole or not at all.
+    /// Writes an object, whole or not at all. One that is there stays, and that is no error.
     ///
     /// # Errors
     /// [`BucketError`].
-    pub fn put(&self, name: &str, bytes: &[u8], writing: Writing) -> Result<(), BucketError> {
+    pub fn create(&self, name: &str, bytes: &[u8]) -> Result<(), BucketError> {
+        self.put(name, bytes, PutMode::Create)
+    }
+
+    /// Writes an object, whole or not at all, in the place of one that is there.
+    ///
+    /// # Errors
+    /// [`BucketError`].
+    pub fn replace(&self, name: &str, bytes: &[u8]) -> Result<(), BucketError> {
+        self.put(name, bytes, PutMode::Overwrite)
+    }
+
+    fn put(&self, name: &str, bytes: &[u8], mode: PutMode) -> Result<(), BucketError> {
         let (store, path) = (Arc::clone(&self.store), self.path(name));
         let payload = PutPayload::from(bytes.to_vec());
         self.written_bytes.fetch_add(bytes.len() as u64, Ordering::Relaxed);
         self.wait("write", name, async move {
-            let mode = match writing {
-                Writing::Create => PutMode::Create,
-                Writing::Replace => PutMode::Overwrite,
-            };
-            let error = match store.put_opts(&path, payload.clone(), mode.into()).await {
+            let error = match store.put_opts(&path, payload.clone(), mode.clone().into()).await {
                 // Answer 409: another writer is at it, with the same bytes.
                 Ok(_) | Err(Error::AlreadyExists { .. }) => return Ok(()),
                 Err(error) => error,
             };
-            if writing == Writing::Create && is_not_known(&error) {
+            if mode == PutMode::Create && is_not_known(&error) {
                 let again = store.put_opts(&path, payload, PutMode::Overwrite.into()).await;
                 return again.map(drop).map_err(|error| found(&error));
             }

@@ -14,7 +14,7 @@ use http::header::RANGE;
 use http::{Method, Request, StatusCode};
 use object_store::client::{
     ClientConfigKey, HttpClient, HttpConnector, HttpError, HttpErrorKind, HttpRequest, HttpRequestBody,
-    HttpResponse, HttpService,
+    HttpResponse, HttpResponseBody, HttpService,
 };
 use object_store::{ClientOptions, Error};
 
@@ -161,14 +161,7 @@ impl Watched {
             return Ok(HttpResponse::from_parts(parts, body));
         }
         let most = if parts.status.is_success() { MAX_LIST_BYTES } else { MAX_CREDENTIALS_BYTES };
-        let mut bytes = Vec::new();
-        let mut body = body.bytes_stream();
-        while let Some(part) = body.next().await {
-            bytes.extend_from_slice(&part?);
-            if bytes.len() > most {
-                return Err(strange(&format!("an answer of more than {most} bytes")));
-            }
-        }
+        let mut bytes = read_bounded(body, most, "an answer").await?;
         if !parts.status.is_success() {
             let code = code_of(&bytes);
             let is_missing =
@@ -195,17 +188,24 @@ impl Watched {
         let (parts, body) = response.into_parts();
         let mut bytes = Vec::new();
         if parts.status.is_success() {
-            let mut body = body.bytes_stream();
-            while let Some(part) = body.next().await {
-                bytes.extend_from_slice(&part?);
-                if bytes.len() > MAX_CREDENTIALS_BYTES {
-                    return Err(strange("more than 65536 bytes of credentials"));
-                }
-            }
+            bytes = read_bounded(body, MAX_CREDENTIALS_BYTES, "credentials").await?;
             bytes = kind.check(bytes).map_err(strange)?;
         }
         Ok(HttpResponse::from_parts(parts, bytes.into()))
     }
+}
+
+/// A body, up to so many bytes.
+async fn read_bounded(body: HttpResponseBody, most: usize, what: &str) -> Result<Vec<u8>, HttpError> {
+    let mut bytes = Vec::new();
+    let mut body = body.bytes_stream();
+    while let Some(part) = body.next().await {
+        bytes.extend_from_slice(&part?);
+        if bytes.len() > most {
+            return Err(strange(&format!("more than {most} bytes of {what}")));
+        }
+    }
+    Ok(bytes)
 }
 
 /// The code of an answer of s3 that is no success, if it is a word.

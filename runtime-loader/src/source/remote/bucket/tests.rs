@@ -113,12 +113,12 @@ fn what_is_put_is_got_and_the_first_of_two_stays() {
     let (bucket, server) = bucket();
     assert_eq!(bucket.get("solve-1.artefact"), Ok(None));
     assert_eq!(bucket.has("solve-1.artefact"), Ok(false));
-    bucket.put("solve-1.artefact", b"first", Writing::Create).expect("room");
-    bucket.put("solve-1.artefact", b"second", Writing::Create).expect("it is there");
+    bucket.create("solve-1.artefact", b"first").expect("room");
+    bucket.create("solve-1.artefact", b"second").expect("it is there");
     assert_eq!(bucket.get("solve-1.artefact"), Ok(Some(b"first".to_vec())));
-    bucket.put("solve-1.artefact", b"third", Writing::Replace).expect("room");
+    bucket.replace("solve-1.artefact", b"third").expect("room");
     assert_eq!(bucket.get("solve-1.artefact"), Ok(Some(b"third".to_vec())));
-    bucket.put("medium-1.artefact", b"", Writing::Create).expect("room");
+    bucket.create("medium-1.artefact", b"").expect("room");
     assert_eq!(bucket.get("medium-1.artefact"), Ok(Some(Vec::new())));
     assert_eq!(bucket.has("medium-1.artefact"), Ok(true));
     let listed = bucket.list().expect("a list");
@@ -134,7 +134,7 @@ fn what_is_put_is_got_and_the_first_of_two_stays() {
 fn a_server_without_the_condition_is_written_to() {
     let (bucket, server) = bucket();
     server.next.lock().expect("no panic").push((501, "<Code>NotImplemented</Code>".to_owned()));
-    bucket.put("solve-1.artefact", b"first", Writing::Create).expect("room");
+    bucket.create("solve-1.artefact", b"first").expect("room");
     assert_eq!(bucket.get("solve-1.artefact"), Ok(Some(b"first".to_vec())));
 }
 
@@ -154,13 +154,13 @@ fn failures_are_told_by_status_and_code_and_no_more() {
         assert!(told.starts_with("cannot read solve-1.artefact: ") && told.contains(expected), "{told}");
         assert!(!told.contains("ffee"), "{told}");
         server.next.lock().expect("no panic").push((status, body.to_owned()));
-        let told = bucket.put("solve-1.artefact", b"", Writing::Create).expect_err(body).to_string();
+        let told = bucket.create("solve-1.artefact", b"").expect_err(body).to_string();
         assert!(told.starts_with("cannot write solve-1.artefact: ") && told.contains(expected), "{told}");
     }
     let endless = "<Code>".repeat(MAX_ANSWER / 4);
     server.next.lock().expect("no panic").push((403, endless));
     let told = bucket.list().expect_err("too long").to_string();
-    assert!(told.contains("an answer of more than"), "{told}");
+    assert!(told.contains("more than 65536 bytes of an answer"), "{told}");
 }
 
 /// Of an answer that is no success.
