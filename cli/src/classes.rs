@@ -2,6 +2,7 @@
 
 use std::path::{Path, PathBuf};
 
+use flb_scene::extents::Mend;
 use flb_scene::scene::SceneSpecies;
 use flb_scene::{
     ClassRules, ClassedMesh, ImportSettings, Mesh, Observer, PlantReader, SpeciesFile, Unobserved,
@@ -12,7 +13,7 @@ use crate::args::MeshArgs;
 use crate::exit::Failure;
 use crate::inputs::check_local;
 use crate::mesh_of_light::Said;
-use crate::size::{Measured, Mend};
+use crate::size::Measured;
 
 /// Reads mesh files, and says on stderr what it decided.
 pub(crate) struct MeshReader {

@@ -7,6 +7,7 @@ use flb_render::{Look, Shading};
 use flb_runtime::Library;
 use flb_runtime::scene_light::SceneLight;
 use flb_scene::Step;
+use flb_scene::extents::Mend;
 use flb_scene::scene::{Scene, SceneSpecies};
 use flb_stage::backend::GpuCount;
 use flb_stage::open::{self, mesh_file};
@@ -23,7 +24,7 @@ use crate::memory::{check, check_plants, sampler_bytes};
 use crate::mesh_of_light::Said;
 use crate::picture::{Rendered, check_layers, picture_format, sheet, write};
 use crate::print::{self, line};
-use crate::size::{Measured, Mend};
+use crate::size::Measured;
 use crate::sky::read_sky;
 use crate::stages::Stages;
 

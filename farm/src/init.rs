@@ -7,7 +7,7 @@ use std::path::{Path, PathBuf};
 use flb_format::text::is_hidden;
 use flb_scene::classify::table::triangle_counts;
 use flb_scene::classify::{Found, found};
-use flb_scene::extents::doubts;
+use flb_scene::extents::{Mend, doubts};
 use flb_scene::import::import;
 use flb_scene::plant::file_name;
 use flb_scene::{ClassRules, ImportError, ImportSettings, PlantReader, SpeciesFile};
@@ -105,7 +105,7 @@ fn read(
     }
     if open.is_empty() {
         let (classed, _) = reader.class(mesh)?;
-        doubted.extend(doubts(&classed, &reader.settings).iter().map(ToString::to_string));
+        doubted.extend(doubts(&classed, &reader.settings).iter().map(|doubt| Mend::Manifest.said(doubt)));
     }
     Ok(open)
 }
@@ -205,7 +205,7 @@ mod tests {
             fs::write(path, text).expect("a file");
         };
         write("trees/oak.obj", &CARD.replace("MATERIAL", "leaves"));
-        write("trees/old/oak.obj", &CARD.replace("MATERIAL", "leaves"));
+        write("trees/old/oak.obj", &CARD.replace("MATERIAL", "leaves").replace("v 1 ", "v 1500 "));
         write("trees/elm.obj", &CARD.replace("MATERIAL", "Mat \"7\""));
         write("ash [1].OBJ", &CARD.replace("MATERIAL", "stuff"));
         write("ash [1].toml", "leaf = ['stuff']\n");
@@ -217,6 +217,8 @@ mod tests {
         let text = text(&all, folder);
         assert!(text.contains("#   \"Mat \\\"7\\\"\", 2 triangles: "), "{text}");
         assert!(text.contains("# Cannot be read: ") && text.contains("# mesh = \"broken.glb\""), "{text}");
+        let mend = "# Doubt: the plant's longest edge is 1500 m, expected 0.05 to 100 m; unit_m in its table `plant` says";
+        assert!(text.contains(mend), "{text}");
         fs::write(folder.join("library.toml"), &text).expect("a file");
         let manifest = Manifest::read(&folder.join("library.toml")).expect("a manifest");
         let names: Vec<&str> = manifest.species.iter().map(|entry| entry.name.as_str()).collect();

@@ -2,6 +2,8 @@
 
 use std::fmt::Write;
 
+use flb_scene::extents::number;
+
 use crate::index::{Index, IndexEntry};
 use crate::manifest::Manifest;
 use crate::outcome::{Built, Outcome};
@@ -55,9 +57,11 @@ fn row(page: &mut String, name: &str, entry: &IndexEntry) {
         let [width, height] = PICTURE_PX;
         format!("<img src=\"{}\" width=\"{width}\" height=\"{height}\" alt=\"{label}\">", link(picture))
     });
-    let size = facts.size_m.map(|edge| format!("{edge:.3}")).join(" x ");
+    let size = facts.size_m.map(number).join(" x ");
     let error = facts.suns_error.map_or_else(|| "-".to_owned(), |error| format!("{:.2} %", 100.0 * error));
-    let coding = facts.psnr_db.map_or_else(|| "-".to_owned(), |db| format!("{db:.1} dB"));
+    let dark =
+        facts.dark_error.map(|error| format!(", in the dark {:.0} %", 100.0 * error)).unwrap_or_default();
+    let coding = facts.psnr_db.map_or_else(|| "-".to_owned(), |db| format!("{db:.1} dB{dark}"));
     let warnings = facts.warnings.iter().map(|warning| escaped(warning));
     let over = entry.over_budget.iter().map(|over| format!("<span class=\"bad\">{}</span>", escaped(over)));
     let told: Vec<String> = over.chain(warnings).collect();

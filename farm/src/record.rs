@@ -45,6 +45,10 @@ pub struct Facts {
     pub suns_error: Option<f64>,
     /// Peak signal to noise of the coding at surfaces, in dB; `None` where there is no error.
     pub psnr_db: Option<f64>,
+    /// Relative error of the coding in dark places, the largest of the bases that miss their target for it; `None`
+    /// where none does. Bases that miss their mean error, too, are among the warnings.
+    #[serde(skip_serializing_if = "Option::is_none", default)]
+    pub dark_error: Option<f64>,
     /// Whether every solve met its tolerance.
     pub is_converged: bool,
     /// Seconds of the bake.
@@ -70,6 +74,7 @@ impl Facts {
             bands: meta.bands().map(str::to_owned).collect(),
             suns_error: held_out.map(|error| error.suns_rms),
             psnr_db: meta.recorded(&SURFACE_PSNR_DB).flatten(),
+            dark_error: None,
             is_converged: true,
             seconds: 0.0,
             warnings: Vec::new(),

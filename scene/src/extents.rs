@@ -4,13 +4,14 @@
 //! ClassedMesh -Extents::of-> width, height and depth in metres -doubts-> what to ask its maker
 //! ```
 //!
-//! A doubt is no error: a giant sequoia and a moss are plants. It says what was found and what was expected; which flag
-//! mends it is for the command to say.
+//! A doubt is no error: a giant sequoia and a moss are plants. It says what was found and what was expected. [`Mend`]
+//! says what mends it, in the words of the place where a reader can say it.
 
 mod alpha;
 mod card;
 mod enclosed;
 mod foot;
+mod mend;
 mod seconds;
 #[cfg(test)]
 mod tests;
@@ -22,6 +23,7 @@ use flb_format::meta::Bounds;
 
 pub use enclosed::{Enclosed, Walls};
 pub use foot::Side;
+pub use mend::Mend;
 
 use crate::import::{Up, area, quoted};
 use crate::unit::UNITS;

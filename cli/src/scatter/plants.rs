@@ -5,7 +5,7 @@ use std::path::Path;
 
 use flb_format::SpeciesMeta;
 use flb_scene::classify::classify;
-use flb_scene::extents::Extents;
+use flb_scene::extents::{Extents, Mend};
 use flb_scene::plant::recorded_settings;
 use flb_scene::scene::SceneSpecies;
 use flb_scene::{ClassedMesh, ImportSettings};
@@ -16,7 +16,7 @@ use crate::exit::Failure;
 use crate::forest::scene_species;
 use crate::inputs::{choose_species, open};
 use crate::mesh_of_light::mesh_of_species;
-use crate::size::{Measured, Mend};
+use crate::size::Measured;
 
 /// Reads the mesh and the tables of the light, and says on stderr what is odd about them. Another mesh than that of the
 /// light is let pass here: it may be shown with `--mesh-differs`.
