@@ -29,6 +29,7 @@ mod cursors;
 pub(crate) mod instance;
 mod rings;
 mod sky;
+mod volume;
 
 use flb_format::beam::Near;
 use flb_format::{Grid, Transform};
@@ -40,6 +41,7 @@ pub use rings::{RING_STEP_DEG, SunRings};
 #[cfg(feature = "gpu")]
 pub(crate) use sky::{OTHER_ROWS, SkyRows};
 pub use sky::{SkyBeams, SkyLight};
+pub use volume::{FieldVolume, LightVolume};
 
 use crate::entry::known_species;
 use crate::file_light::{FileLight, bases_for};

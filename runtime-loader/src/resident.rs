@@ -491,6 +491,11 @@ impl ResidentSpecies {
         }
     }
 
+    /// Whether its light is never below 0.
+    pub(crate) fn is_bounded(&self) -> bool {
+        self.is_bounded
+    }
+
     /// Takes off what is below 0 of light that never is.
     pub(crate) fn bound(&self, out: &mut [f32]) {
         if self.is_bounded {

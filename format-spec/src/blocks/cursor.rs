@@ -113,6 +113,21 @@ impl<'a> Cursor<'a> {
         }
     }
 
+    /// Sums at the centres of the texels of the block `[x, y, z]`, which lies in the lattice, `[z][y][x][sum][band]`.
+    ///
+    /// # Panics
+    /// If `out` is not as long as all sums of all texels have bands.
+    pub fn block(&mut self, block: [u32; 3], out: &mut [f32]) {
+        let channels = self.bands * self.sums.len();
+        assert_eq!(out.len(), TEXELS * channels, "a value per texel, sum and band");
+        let slot = self.slot(block);
+        for (texel, out) in out.chunks_exact_mut(channels).enumerate() {
+            for (four, out) in out.chunks_mut(FOUR).enumerate() {
+                out.copy_from_slice(&self.texels[slot + four][texel][..out.len()]);
+            }
+        }
+    }
+
     /// Where the block `[x, y, z]` lies expanded: its first four channels.
     #[inline]
     fn slot(&mut self, block: [u32; 3]) -> usize {

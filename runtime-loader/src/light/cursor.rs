@@ -1,9 +1,12 @@
 //! The light of one plant at points that lie near one another.
 
-use flb_format::blocks::{CodedBase, Cursor};
+use flb_format::beam::MAX_MEANS;
+use flb_format::blocks::{CodedBase, Cursor, EDGE, TEXELS};
 
 use super::instance::InstanceLight;
 use super::sky::SkyCursor;
+use super::volume::texel_at;
+use crate::scene_light::Modulations;
 
 /// Asks one plant's light as [`InstanceLight::at`] does, with a memory of the blocks last read ([`Cursor`]): of three
 /// bands 64 KiB for a blend of bases, 256 KiB at most where the near beam has bases of its own or neighbours are
@@ -13,7 +16,7 @@ use super::sky::SkyCursor;
 /// uncoded fields, and less the more bases there are; where points lie far apart it costs several times that of
 /// [`InstanceLight::at`] (`cargo bench -p flb-runtime --bench blend`). Whatever was asked before, a point has the same
 /// light, and that of [`InstanceLight::at`] but for the rounding of sums in another order. Fields that are not coded as
-/// `classed` or `haar` are asked as [`InstanceLight::at`] asks them.
+/// `classed` or `haar`, and those that are expanded, are asked as [`InstanceLight::at`] asks them.
 pub struct LightCursor<'a> {
     light: &'a InstanceLight<'a>,
     /// `None` where there is nothing to be kept.
@@ -56,7 +59,8 @@ struct Parts<'a> {
 
 impl<'a> LightCursor<'a> {
     pub(super) fn new(light: &'a InstanceLight<'a>) -> LightCursor<'a> {
-        let kept = Parts::of(light).and_then(|parts| CachedSums::new(parts, light));
+        let coded = Some(light).filter(|light| !light.is_expanded());
+        let kept = coded.and_then(Parts::of).and_then(|parts| CachedSums::new(parts, light));
         let sky = light.uneven().filter(|_| kept.is_some()).and_then(|sky| sky.cursor(light.species));
         LightCursor { light, kept, sky }
     }
@@ -74,25 +78,48 @@ impl<'a> LightCursor<'a> {
     /// # Panics
     /// If `out` is shorter than the bands.
     pub fn at_facing(&mut self, point_m: [f32; 3], facing: Option<[f32; 3]>, out: &mut [f32]) {
-        let (light, bands) = (self.light, self.light.bands());
+        let light = self.light;
         let Some(kept) = &mut self.kept else { return light.at_facing(point_m, facing, out) };
-        let out = &mut out[..bands];
-        let modulation = light.modulation(point_m);
-        let [sun, sky] = [modulation.sun.scale, modulation.sky.scale];
+        let out = &mut out[..light.bands()];
         let near = if kept.near_count > 0 { light.near(point_m) } else { Default::default() };
+        let modulation = light.modulation(point_m);
         kept.cursor.sample(light.species.grid().lattice_from_model(point_m.map(f64::from)), &mut kept.found);
-        let constants = [sun * kept.constants[0], sky * kept.constants[1]];
-        light.species.fill(&light.terms, constants, out);
-        let factors = kept
-            .has_blend
-            .then_some(sun)
-            .into_iter()
-            .chain(near[..kept.near_count].iter().map(|near| sun * near))
-            .chain(kept.has_sky.then_some(sky));
-        for (sum, factor) in kept.found.chunks_exact(bands).zip(factors) {
-            out.iter_mut().zip(sum).for_each(|(out, light)| *out += factor * light);
-        }
+        kept.add_up(light, &kept.found, near, &modulation, out);
         light.bound(out);
+        self.sky(point_m, facing, &modulation, out);
+    }
+
+    /// Light per band at the centres of the texels of a block that lies in the lattice, with these means of the near
+    /// beam, `[z][y][x][band]`. It may be below 0.
+    pub(super) fn block(&mut self, first: [usize; 3], near: &[[f32; MAX_MEANS]; TEXELS], out: &mut [f32]) {
+        let (light, bands) = (self.light, self.light.bands());
+        let mut all = Vec::new();
+        if let Some(kept) = &mut self.kept {
+            all.resize(TEXELS * kept.found.len(), 0.0);
+            kept.cursor.block(first.map(|texel| (texel / EDGE) as u32), &mut all);
+        }
+        for (number, out) in out.chunks_exact_mut(bands).enumerate() {
+            let center = texel_at(first, number).map(|texel| texel as f64 + 0.5);
+            let point_m = light.species.grid().model_from_lattice(center).map(|x| x as f32);
+            let Some(kept) = &mut self.kept else {
+                light.at(point_m, out);
+                continue;
+            };
+            let modulation = light.modulation(point_m);
+            kept.add_up(light, &all[number * kept.found.len()..], near[number], &modulation, out);
+            self.sky(point_m, None, &modulation, out);
+        }
+    }
+
+    /// Colours the light of the sun, and adds that of an uneven sky and of neighbours.
+    fn sky(
+        &mut self,
+        point_m: [f32; 3],
+        facing: Option<[f32; 3]>,
+        modulation: &Modulations,
+        out: &mut [f32],
+    ) {
+        let light = self.light;
         light.color(out);
         let scale = modulation.sky.scale;
         match (&mut self.sky, light.uneven()) {
@@ -100,7 +127,7 @@ impl<'a> LightCursor<'a> {
             (None, Some(of_sky)) => of_sky.add(light.species, point_m, facing, scale, out),
             (None, None) => {}
         }
-        light.add(&modulation, out);
+        light.add(modulation, out);
     }
 }
 
@@ -119,6 +146,29 @@ impl<'a> CachedSums<'a> {
         }
         let found = vec![0.0; sums.len() * light.bands()];
         Some(CachedSums { cursor: Cursor::of_sums(sums), has_blend, near_count, has_sky, constants, found })
+    }
+
+    /// Adds up sums that were found at a point: light of the sun, and of a sky that is even.
+    fn add_up(
+        &self,
+        light: &InstanceLight,
+        found: &[f32],
+        near: [f32; MAX_MEANS],
+        modulation: &Modulations,
+        out: &mut [f32],
+    ) {
+        let [sun, sky] = [modulation.sun.scale, modulation.sky.scale];
+        let constants = [sun * self.constants[0], sky * self.constants[1]];
+        light.species.fill(&light.terms, constants, out);
+        let factors = self
+            .has_blend
+            .then_some(sun)
+            .into_iter()
+            .chain(near[..self.near_count].iter().map(|near| sun * near))
+            .chain(self.has_sky.then_some(sky));
+        for (sum, factor) in found.chunks_exact(out.len()).zip(factors) {
+            out.iter_mut().zip(sum).for_each(|(out, light)| *out += factor * light);
+        }
     }
 }
 

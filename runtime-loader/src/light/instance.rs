@@ -7,6 +7,7 @@ use flb_format::beam::{BEAM_RAYS, MAX_MEANS, Near};
 use super::Daylight;
 use super::rings::Faded;
 use super::sky::SkyLight;
+use super::volume::FieldVolume;
 use crate::RuntimeError;
 use crate::near_beam::{MediumSites, PreparedSun, RayOffsets, seed_of};
 use crate::resident::{LightLevel, ResidentSpecies, Terms};
@@ -30,6 +31,8 @@ pub struct InstanceLight<'a> {
     color: Option<[f32; 3]>,
     /// In the place of an even sky.
     uneven: Option<&'a SkyLight<'a>>,
+    /// In the place of the coded fields.
+    fields: Option<&'a FieldVolume>,
 }
 
 /// The near beam of a sun, found beforehand.
@@ -88,6 +91,7 @@ impl<'a> InstanceLight<'a> {
             luminance: terms.strengths(),
             color: None,
             uneven: None,
+            fields: None,
         }
     }
 
@@ -122,6 +126,21 @@ impl<'a> InstanceLight<'a> {
         assert!(even == 0.0, "one sky");
         let luminance = [sun * luminance(sun_color), luminance(sky.fluence())];
         InstanceLight { uneven: Some(sky), color: Some(sun_color), luminance, ..self }
+    }
+
+    /// Returns the light by fields of the same species that are expanded ([`super::SpeciesLight::field_volume`]): for
+    /// points that lie far from one another. What was loaded since they were expanded is not in it.
+    ///
+    /// # Panics
+    /// In the light of a point, if the fields are of a species with fewer of them.
+    #[must_use]
+    pub fn with_fields(self, fields: &'a FieldVolume) -> InstanceLight<'a> {
+        InstanceLight { fields: Some(fields), ..self }
+    }
+
+    /// Whether its fields are expanded.
+    pub(super) fn is_expanded(&self) -> bool {
+        self.fields.is_some()
     }
 
     /// Returns the light for a picture of so many rays a pixel: the more there are, the fewer places each looks at for
@@ -229,7 +248,14 @@ impl<'a> InstanceLight<'a> {
         let out = &mut out[..self.bands()];
         let modulation = self.modulation(point_m);
         let shares = [modulation.sun.scale, modulation.sky.scale];
-        self.species.sum_of(&self.terms, self.near(point_m), shares, point_m, out);
+        let near = self.near(point_m);
+        match self.fields {
+            Some(fields) => {
+                self.species.fill(&self.terms, self.terms.factors(shares).constants, out);
+                fields.add(&self.terms, near, shares, point_m, out);
+            }
+            None => self.species.sum_of(&self.terms, near, shares, point_m, out),
+        }
         self.bound(out);
         self.color(out);
         if let Some(sky) = self.uneven {

@@ -57,6 +57,18 @@ proptest! {
                 }
             }
         }
+        // A whole block has the bits of its texels' samples, stored or not.
+        let mut texels = vec![0.0; TEXELS * found.len()];
+        for _ in 0..20 {
+            let block = [(); 3].map(|()| random.below(LATTICE as usize / 4) as u32);
+            cursor.block(block, &mut texels);
+            for (texel, texels) in texels.chunks_exact(found.len()).enumerate() {
+                let inside = [texel % 4, texel / 4 % 4, texel / 16];
+                let point = std::array::from_fn(|axis| f64::from(4 * block[axis]) + inside[axis] as f64 + 0.5);
+                cursor.sample(point, &mut found);
+                prop_assert_eq!(&found[..], texels, "{:?} {}", block, texel);
+            }
+        }
     }
 
     #[test]
