@@ -47,3 +47,13 @@ fn a_streamed_forest_is_never_black_and_ends_final() {
     let lit = numbers(&text, "light");
     assert!(lit.iter().all(|bands| bands.len() == 3 && bands.iter().all(|band| *band > 0.0)), "{text}");
 }
+
+#[test]
+fn the_forest_of_an_engine_has_light_from_its_first_frames_on_and_more_of_a_rising_sun() {
+    let text = run(env!("CARGO_BIN_EXE_forest_of_an_engine"));
+    let lit = numbers(&text, "light");
+    assert_eq!(lit.len(), 6, "{text}");
+    assert!(lit.iter().all(|bands| bands.len() == 3 && bands.iter().all(|band| *band > 0.0)), "{text}");
+    assert!(lit[5].iter().zip(&lit[0]).all(|(last, first)| *last > 2.0 * first), "{text}");
+    assert!(text.lines().all(|line| line.contains("60 plants")), "{text}");
+}

@@ -16,10 +16,10 @@ use flb_format::{Codec, Field, FormatError, room};
 use crate::Library;
 
 /// One base in memory.
-#[derive(Debug)]
+#[derive(Debug, Clone)]
 pub(crate) enum Base {
     /// Blocks near geometry, as they are coded.
-    Near(Box<CodedBase>),
+    Near(Arc<CodedBase>),
     /// Of the codec `haar-paper`.
     Blocks {
         /// `[block]`, `[z][y][x]`, x fastest.
@@ -160,7 +160,7 @@ pub(crate) fn read_base(
     let (container, source) = (library.container(), library.source());
     let entry = container.find_base(species, base).ok_or(FormatError::NoBase { species, base })?;
     if let Some(shared) = shared {
-        return Ok(Base::Near(Box::new(container.read_coded_base(source, species, base, shared)?)));
+        return Ok(Base::Near(Arc::new(container.read_coded_base(source, species, base, shared)?)));
     }
     if entry.codec != Codec::HaarPaper {
         let section = &container.sections()[entry.section];

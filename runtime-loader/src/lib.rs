@@ -39,6 +39,7 @@ mod entry;
 mod error;
 pub mod extinction;
 mod file_light;
+pub mod forest;
 #[cfg(feature = "gpu")]
 pub mod gpu;
 mod library;
@@ -68,6 +69,7 @@ pub mod samplers {
 pub use error::RuntimeError;
 pub use flb_format::mesh::{MeshMark, MeshMatch};
 pub use flb_format::{Daylight, Placement, Transform};
+pub use forest::Forest;
 pub use library::Library;
 pub use light::SpeciesLight;
 pub use light::cursor::LightCursor;

@@ -75,11 +75,12 @@ pub enum LightLevel {
 /// Loaded units of a library.
 #[derive(Debug)]
 pub struct Resident {
-    species: Vec<ResidentSpecies>,
+    /// Shared with who holds a species as it was ([`Resident::shared`]): what changes is then another one.
+    species: Vec<Arc<ResidentSpecies>>,
 }
 
 /// Loaded units of a species.
-#[derive(Debug)]
+#[derive(Debug, Clone)]
 pub struct ResidentSpecies {
     grid: Grid,
     bands: usize,
@@ -92,7 +93,7 @@ pub struct ResidentSpecies {
     /// `[base]`: item.
     items: Vec<u8>,
     shared: Option<Arc<Shared>>,
-    extinction: Option<Box<Extinction>>,
+    extinction: Option<Arc<Extinction>>,
     /// The same at all sites, once it is asked for or where it was read so.
     sites: OnceLock<Arc<MediumSites>>,
     /// `[base]`
@@ -111,7 +112,7 @@ impl Resident {
     pub fn new(container: &Container, units: &Units) -> Resident {
         let species = container.species().iter().enumerate().map(|(index, species)| {
             let items = units.bases(index).iter().map(|base| base.item).collect();
-            ResidentSpecies::empty(species, items)
+            Arc::new(ResidentSpecies::empty(species, items))
         });
         Resident { species: species.collect() }
     }
@@ -119,21 +120,21 @@ impl Resident {
     /// Blends over so many frames, 1 or more: each unit that comes takes gradually the place of what stood in for it.
     #[must_use]
     pub fn blending_over(mut self, frames: u16) -> Resident {
-        self.species.iter_mut().for_each(|species| species.blend_frames = frames.max(1));
+        self.species.iter_mut().for_each(|species| Arc::make_mut(species).blend_frames = frames.max(1));
         self
     }
 
     /// A frame passes: what has come is shown a little more.
     pub fn advance(&mut self) {
-        for species in &mut self.species {
+        for number in 0..self.species.len() {
+            if !self.is_blending(number) {
+                continue;
+            }
+            let species = Arc::make_mut(&mut self.species[number]);
             let most = species.blend_frames;
             let ages = species.ages.iter_mut().chain([&mut species.extinction_age]);
-            let mut is_blending = false;
-            for age in ages.filter(|age| (1..most).contains(*age)) {
-                *age += 1;
-                is_blending = true;
-            }
-            species.generation += u64::from(is_blending);
+            ages.filter(|age| (1..most).contains(*age)).for_each(|age| *age += 1);
+            species.generation += 1;
         }
     }
 
@@ -152,9 +153,17 @@ impl Resident {
         &self.species[species]
     }
 
+    /// Loaded units of a species as they are now, to be held while others come and go: on another thread, say.
+    ///
+    /// # Panics
+    /// If there is no such species.
+    pub fn shared(&self, species: usize) -> Arc<ResidentSpecies> {
+        Arc::clone(&self.species[species])
+    }
+
     /// Memory of everything loaded.
     pub fn size_bytes(&self) -> usize {
-        self.species.iter().map(ResidentSpecies::size_bytes).sum()
+        self.species.iter().map(|species| species.size_bytes()).sum()
     }
 
     /// Puts a unit in its place; one that it stands on is there.
@@ -166,25 +175,25 @@ impl Resident {
     /// If the payload is not of the unit's kind, or what it stands on is not there.
     pub fn insert(&mut self, units: &Units, unit: UnitId, payload: Payload) -> Result<(), BlockFault> {
         let unit = units.get(unit);
-        let species = &mut self.species[unit.species as usize];
+        let species = Arc::make_mut(&mut self.species[unit.species as usize]);
         let was_whole = species.is_whole(unit.kind);
         match (unit.kind, payload) {
             (UnitKind::Shared, Payload::Shared(shared, _)) => species.shared = Some(shared),
             (UnitKind::Extinction, Payload::Extinction(extinction)) => {
-                species.extinction = Some(extinction);
+                species.extinction = Some(Arc::from(extinction));
                 species.extinction_age = 1;
                 species.sites = OnceLock::new();
             }
             (UnitKind::Averages { base }, Payload::Averages(coded)) => {
                 assert!(species.shared.is_some(), "averages stand on a block map");
-                species.bases[base as usize] = Some(Base::Near(coded));
+                species.bases[base as usize] = Some(Base::Near(Arc::from(coded)));
                 species.ages[base as usize] = 1;
             }
             (UnitKind::Detail { base, .. }, Payload::Detail(payload)) => {
                 let Some(Base::Near(base)) = &mut species.bases[base as usize] else {
                     panic!("detail stands on averages")
                 };
-                base.add(unit.blocks[0], unit.blocks[1], &payload)?;
+                Arc::make_mut(base).add(unit.blocks[0], unit.blocks[1], &payload)?;
             }
             (kind, _) => panic!("a payload of another kind than {kind:?}"),
         }
@@ -195,7 +204,7 @@ impl Resident {
     /// Drops a unit; nothing that stands on it is there any more.
     pub fn remove(&mut self, units: &Units, unit: UnitId) {
         let unit = units.get(unit);
-        let species = &mut self.species[unit.species as usize];
+        let species = Arc::make_mut(&mut self.species[unit.species as usize]);
         let was_whole = species.is_whole(unit.kind);
         match unit.kind {
             UnitKind::Shared => species.shared = None,
@@ -210,7 +219,7 @@ impl Resident {
             }
             UnitKind::Detail { base, .. } => {
                 if let Some(Base::Near(base)) = &mut species.bases[base as usize] {
-                    base.remove(unit.blocks[0]);
+                    Arc::make_mut(base).remove(unit.blocks[0]);
                 }
             }
         }
@@ -265,7 +274,7 @@ impl ResidentSpecies {
             let turbid = container.read_turbid(library.source(), species).map_err(at_library)?;
             let sites = MediumSites::new(turbid).map_err(at_library)?;
             if loaded.suns.has_near_beam() {
-                loaded.extinction = Some(Box::new(Extinction::of(sites.turbid())));
+                loaded.extinction = Some(Arc::new(Extinction::of(sites.turbid())));
                 loaded.extinction_age = 1;
             }
             loaded.sites = OnceLock::from(Arc::new(sites));

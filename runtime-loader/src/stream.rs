@@ -22,7 +22,7 @@ use flb_format::FormatError;
 
 pub use job::Job;
 pub(crate) use job::jobs;
-use job::read;
+pub(crate) use job::read;
 
 use crate::residency::{Lack, Need, Residency, ResidencySettings, UnitId, UnitKind, Units};
 use crate::resident::{Payload, Resident};
@@ -111,6 +111,16 @@ impl Stage {
             resident,
             parked: Vec::new(),
         })
+    }
+
+    /// The library.
+    pub fn library(&self) -> &Arc<Library> {
+        &self.library
+    }
+
+    /// Units that there are.
+    pub fn units(&self) -> &Arc<Units> {
+        &self.units
     }
 
     /// Loaded units.

@@ -76,7 +76,8 @@ impl<'a> InstanceLight<'a> {
         }
     }
 
-    pub(super) fn new(species: &'a ResidentSpecies, daylight: &Daylight) -> InstanceLight<'a> {
+    /// Of a daylight whose numbers are finite.
+    pub(crate) fn new(species: &'a ResidentSpecies, daylight: &Daylight) -> InstanceLight<'a> {
         let Daylight { towards_sun, sun, sky } = *daylight;
         InstanceLight::of_terms(species, species.terms(towards_sun, sun, sky))
     }

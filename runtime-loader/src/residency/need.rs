@@ -108,6 +108,26 @@ impl Placed {
     /// Memory that a plant takes.
     pub const PLANT_BYTES: usize = size_of::<Instance>() + size_of::<[f32; 4]>();
 
+    /// Adds a plant behind the others.
+    ///
+    /// # Panics
+    /// As [`Placed::new`].
+    pub fn push(&mut self, container: &Container, plant: &Placement) {
+        let instance = Instance::of(plant);
+        let ball = ball(&container.species()[plant.species].meta.bounds_m);
+        self.spheres.push(sphere(&instance, ball));
+        self.instances.push(instance);
+    }
+
+    /// Takes a plant away; the last one takes its place.
+    ///
+    /// # Panics
+    /// If there is no such plant.
+    pub fn swap_remove(&mut self, index: usize) {
+        self.instances.swap_remove(index);
+        self.spheres.swap_remove(index);
+    }
+
     /// Moves a plant.
     ///
     /// # Panics

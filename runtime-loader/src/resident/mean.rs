@@ -10,7 +10,7 @@ use super::{Terms, UNKNOWN_SHARE};
 const MAX_OVER_AVERAGES: f64 = 2.0;
 
 /// Of a species; what its file does not say is taken for a share of the light outside.
-#[derive(Debug)]
+#[derive(Debug, Clone)]
 pub(super) struct Mean {
     light: MeanLight,
     /// Light of the sky over that of its averages.

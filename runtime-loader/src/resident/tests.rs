@@ -214,7 +214,7 @@ fn averages_of_the_sky_are_brought_to_its_mean_and_detail_is_left_as_it_is() {
         let mut meta = LIBRARY.container().species()[1].meta.clone();
         meta.mean_light = Some(flb_format::mean_light::MeanLight { sky: vec![1.0; BANDS], sun: Vec::new() });
         meta.sky_averages = Some(averages.to_vec());
-        resident.species[1].mean = Mean::of(&meta);
+        Arc::make_mut(&mut resident.species[1]).mean = Mean::of(&meta);
         let terms = resident.species(1).terms([0.0, 1.0, 0.0], 0.0, 0.8);
         let factors: Vec<f32> = terms.bases().map(|(_, factor)| factor).collect();
         factors[0]

@@ -132,7 +132,7 @@ impl Source for Windows<'_> {
 }
 
 /// Reads, verifies and decodes the units of a job, one after another.
-pub(super) fn read(
+pub(crate) fn read(
     library: &Library,
     units: &Units,
     job: &Job,

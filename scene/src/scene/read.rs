@@ -5,7 +5,6 @@ use flb_format::{Placement, Transform};
 use std::collections::HashMap;
 use std::path::{Path, PathBuf};
 
-use flb_format::sun::reach::Rotation;
 use serde::Deserialize;
 use toml::Spanned;
 
@@ -307,25 +306,27 @@ impl Reading<'_> {
         let scale = raw.scale.unwrap_or(1.0);
         let [least, most] = SCALES;
         self.within(at, "instance.scale", scale, least, most)?;
-        let rotation = match (raw.yaw_deg, raw.rotation) {
+        let transform = match (raw.yaw_deg, raw.rotation) {
             (Some(_), Some(_)) => {
                 return Err(self.malformed(at, "instance", "yaw_deg and rotation", "one of them"));
             }
             (yaw_deg, None) => {
                 let yaw_deg = yaw_deg.unwrap_or(0.0);
-                of_yaw(self.within(at, "instance.yaw_deg", yaw_deg, -36_000.0, 36_000.0)?)
+                let yaw_deg = self.within(at, "instance.yaw_deg", yaw_deg, -36_000.0, 36_000.0)?;
+                Transform::from_yaw(raw.position_m, yaw_deg, scale)
             }
             (None, Some(quaternion)) => {
                 let length = quaternion.iter().map(|c| c * c).sum::<f64>().sqrt();
                 let what = "length of instance.rotation";
                 self.within(at, what, length, 1.0 - UNIT_TOLERANCE, 1.0 + UNIT_TOLERANCE)?;
-                of_quaternion(quaternion.map(|c| c / length))
+                let placed = Transform::from_quaternion(raw.position_m, quaternion, scale);
+                placed.ok_or_else(|| {
+                    let found = format!("{quaternion:?}");
+                    self.malformed(at, "instance.rotation", found, "a quaternion of length 1")
+                })?
             }
         };
-        let instance = Placement {
-            species: index,
-            transform: Transform { rotation, position_m: raw.position_m, scale },
-        };
+        let instance = Placement { species: index, transform };
         if species[index].upright && !instance.transform.is_upright() {
             let found = format!("a tilted plant of the upright species {:?}", raw.species);
             let expected = "yaw_deg, or a rotation with x and z 0";
@@ -349,22 +350,6 @@ impl Reading<'_> {
         };
         ImportError::Syntax { file: self.file.to_owned(), message: excerpt(message.trim_end().to_owned()) }
     }
-}
-
-/// Clockwise seen from above, in the plane of x and z: north, -Z, turns towards east, +X.
-fn of_yaw(yaw_deg: f64) -> Rotation {
-    let [sin, _, minus_cos] = flb_format::sun::towards_sun(yaw_deg, 0.0);
-    let cos = -minus_cos;
-    [[cos, 0.0, -sin], [0.0, 1.0, 0.0], [sin, 0.0, cos]]
-}
-
-/// From a unit quaternion; about the vertical alone it keeps Y exactly.
-fn of_quaternion([x, y, z, w]: [f64; 4]) -> Rotation {
-    [
-        [1.0 - 2.0 * (y * y + z * z), 2.0 * (x * y - z * w), 2.0 * (x * z + y * w)],
-        [2.0 * (x * y + z * w), 1.0 - 2.0 * (x * x + z * z), 2.0 * (y * z - x * w)],
-        [2.0 * (x * z - y * w), 2.0 * (y * z + x * w), 1.0 - 2.0 * (x * x + y * y)],
-    ]
 }
 
 #[cfg(test)]

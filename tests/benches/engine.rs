@@ -1,0 +1,194 @@
+//! Frames of an engine with a forest:
+//!
+//! ```text
+//! cargo bench -p flb-tests --bench engine                     # the default bake of the built-in oak
+//! cargo bench -p flb-tests --bench engine -- FILE.flb
+//! cargo bench -p flb-tests --bench engine -- PLANT TRIANGLES [LATTICE]
+//! ```
+//!
+//! 2,000 plants, turned freely and at 8 yaws; a camera that turns and a sun that moves over 300 frames; 8 points of
+//! each of 819 plants a frame. One thread does the engine's frames and points, two do the work that frames hand out.
+//! *rms* is against suns that are prepared by themselves. Beside it, the same points as an engine without a forest asks
+//! them: `SpeciesLight::lit_by` for each plant, and marches.
+
+use std::hint::black_box;
+use std::sync::mpsc::{Receiver, Sender, channel};
+use std::sync::{Arc, Mutex};
+use std::thread;
+use std::time::Instant;
+
+use flb_format::sun::towards_sun;
+use flb_runtime::forest::{Forest, ForestSettings, PlantId, Work};
+use flb_runtime::view::Camera;
+use flb_runtime::{Daylight, Library, Placement, SpeciesLight, Transform};
+use flb_tests::benched::{Benched, benched};
+
+const PLANTS: usize = 2000;
+const FRAMES: usize = 300;
+/// Plants that a frame asks points of, and points of each.
+const ASKED: usize = 819;
+const POINTS: usize = 8;
+/// Metres between plants.
+const APART_M: f64 = 6.0;
+/// Time of a frame of the engine beside this, so that work has time to be done: 60 frames a second.
+const FRAME_S: f64 = 1.0 / 60.0;
+
+fn day(frame: usize) -> Daylight {
+    let part = frame as f64 / FRAMES as f64;
+    Daylight { towards_sun: towards_sun(120.0 + 15.0 * part, 30.0 + 4.0 * part), sun: 1.0, sky: 0.36 }
+}
+
+fn camera(frame: usize) -> Camera {
+    let turned = towards_sun(360.0 * frame as f64 / FRAMES as f64, 0.0).map(|c| c as f32);
+    let eye = [0.0, 3.0, 0.0];
+    Camera {
+        position_m: eye,
+        forward: turned,
+        up: [0.0, 1.0, 0.0],
+        fov_deg: 50.0,
+        width_px: 1920,
+        height_px: 1080,
+    }
+}
+
+fn plants(yaws: Option<u32>) -> Vec<Placement> {
+    let edge = (PLANTS as f64).sqrt();
+    let stands = |number: usize| {
+        let number = number as f64;
+        let (x, z) =
+            (APART_M * (number % edge - edge / 2.0), APART_M * ((number / edge).floor() - edge / 2.0));
+        let yaw_deg = yaws.map_or(137.508 * number, |yaws| 360.0 * number / f64::from(yaws)) % 360.0;
+        Placement { species: 0, transform: Transform::from_yaw([x, 0.0, z], yaw_deg, 1.0) }
+    };
+    (0..PLANTS).map(stands).collect()
+}
+
+fn worker(queue: Arc<Mutex<Receiver<Work>>>) {
+    loop {
+        let next = queue.lock().expect("no panic").recv();
+        match next {
+            Ok(work) => work.run(),
+            Err(_) => return,
+        }
+    }
+}
+
+fn median_and_worst(mut all: Vec<f64>) -> String {
+    all.sort_unstable_by(f64::total_cmp);
+    format!("{:.2} | {:.2}", all[all.len() / 2], all[all.len() - 1])
+}
+
+/// Rms of the light of some plants against that of suns that are prepared by themselves, % of the mean.
+fn error(forest: &mut Forest, ids: &[PlantId], plants: &[Placement], points: &[[f32; 3]]) -> f64 {
+    let library = Arc::clone(forest.library());
+    let species = SpeciesLight::load(&library, 0).expect("a sound file");
+    let near = species.near();
+    while !forest.frame(&camera(0), &day(0), Work::run).is_final {}
+    let snapshot = forest.snapshot();
+    let (mut squares, mut sum, mut count) = (0.0, 0.0, 0.0);
+    for number in (0..PLANTS).step_by(PLANTS / 16) {
+        let lit = species.lit_by(&day(0), &plants[number].transform).expect("a sun");
+        let lit = lit.prepared_by(near.as_ref());
+        for point in points.iter().step_by(11) {
+            let [mut found, mut exact] = [[0.0; 3]; 2];
+            snapshot.at(ids[number], *point, &mut found);
+            lit.at(*point, &mut exact);
+            for (found, exact) in found.iter().zip(exact) {
+                let off = f64::from(found - exact);
+                (squares, sum, count) = (squares + off * off, sum + f64::from(exact), count + 1.0);
+            }
+        }
+    }
+    100.0 * (squares / count).sqrt() / (sum / count)
+}
+
+fn by_forest(library: &Arc<Library>, points: &[[f32; 3]], yaws: u32, free: bool) {
+    let settings = ForestSettings { yaws, ..ForestSettings::default() };
+    let plants = plants((!free).then_some(yaws));
+    let mut forest = Forest::new(Arc::clone(library), settings).expect("coded near geometry");
+    let ids: Vec<PlantId> = plants.iter().map(|plant| forest.add(plant).expect("a species")).collect();
+    let (sender, queue): (Sender<Work>, Receiver<Work>) = channel();
+    let queue = Arc::new(Mutex::new(queue));
+    let workers: Vec<_> = (0..2)
+        .map(|_| {
+            thread::spawn({
+                let queue = Arc::clone(&queue);
+                move || worker(queue)
+            })
+        })
+        .collect();
+    let (mut frames, mut samples, mut lit, mut bytes) = (Vec::new(), Vec::new(), None, 0);
+    let mut rgb = [0.0; 3];
+    for frame in 0..FRAMES {
+        let begin = Instant::now();
+        let report = forest.frame(&camera(frame), &day(frame), |work| sender.send(work).expect("workers"));
+        frames.push(1e3 * begin.elapsed().as_secs_f64());
+        let snapshot = forest.snapshot();
+        let asked = Instant::now();
+        for number in 0..ASKED {
+            let id = ids[(number * 7 + frame) % PLANTS];
+            for point in 0..POINTS {
+                snapshot.at(id, points[(number * POINTS + point) % points.len()], &mut rgb);
+                black_box(rgb);
+            }
+        }
+        samples.push(1e3 * asked.elapsed().as_secs_f64());
+        if report.volume_bytes > 0 {
+            lit.get_or_insert(frame);
+        }
+        bytes = bytes.max(report.volume_bytes);
+        let left = FRAME_S - begin.elapsed().as_secs_f64();
+        if left > 0.0 {
+            thread::sleep(std::time::Duration::from_secs_f64(left));
+        }
+    }
+    drop(sender);
+    workers.into_iter().for_each(|worker| worker.join().expect("no panic"));
+    let all: Vec<f64> = frames.iter().zip(&samples).map(|(frame, samples)| frame + samples).collect();
+    let which = format!("forest, {}{yaws} yaws", if free { "free, blends of " } else { "" });
+    println!(
+        "| {which} | {} | {} | {} | {} | {:.1} | {:.2} % |",
+        median_and_worst(frames),
+        median_and_worst(samples),
+        median_and_worst(all),
+        lit.map_or("-".to_owned(), |frame: usize| frame.to_string()),
+        bytes as f64 / 1e6,
+        error(&mut forest, &ids, &plants, points)
+    );
+}
+
+fn by_marches(library: &Library, points: &[[f32; 3]]) {
+    let species = SpeciesLight::load(library, 0).expect("a sound file");
+    let plants = plants(None);
+    let (mut samples, mut rgb) = (Vec::new(), [0.0; 3]);
+    for frame in 0..FRAMES / 30 {
+        let day = day(30 * frame);
+        let asked = Instant::now();
+        for number in 0..ASKED {
+            let lit = species.lit_by(&day, &plants[(number * 7 + frame) % PLANTS].transform).expect("a sun");
+            for point in 0..POINTS {
+                lit.at(points[(number * POINTS + point) % points.len()], &mut rgb);
+                black_box(rgb);
+            }
+        }
+        samples.push(1e3 * asked.elapsed().as_secs_f64());
+    }
+    println!("| marches | | | {} | | | | | |", median_and_worst(samples));
+}
+
+fn main() {
+    let Benched { library, points } = benched(4096);
+    let library = Arc::new(library);
+    println!(
+        "{PLANTS} plants, {FRAMES} frames, {} points a frame; milliseconds of one thread\n",
+        ASKED * POINTS
+    );
+    println!(
+        "| light | frame: median | worst | points: median | worst | both: median | worst | first volumes in frame | volumes, MB | rms |"
+    );
+    println!("|---|---:|---:|---:|---:|---:|---:|---:|---:|---:|");
+    by_forest(&library, &points, 8, false);
+    by_forest(&library, &points, 16, true);
+    by_forest(&library, &points, 32, true);
+    by_marches(&library, &points);
+}
