@@ -33,7 +33,7 @@ use crate::view::Camera;
 use crate::{Daylight, Library, Placement, RuntimeError};
 
 pub use plants::PlantId;
-pub use snapshot::Snapshot;
+pub use snapshot::{Parts, Snapshot};
 pub use work::Work;
 
 use plants::{Plant, Plants};

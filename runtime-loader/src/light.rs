@@ -41,7 +41,7 @@ pub use rings::{RING_STEP_DEG, SunRings};
 #[cfg(feature = "gpu")]
 pub(crate) use sky::{OTHER_ROWS, SkyRows};
 pub use sky::{SkyBeams, SkyLight};
-pub use volume::{FieldVolume, LightVolume};
+pub use volume::{FieldVolume, LightVolume, words as volume_words};
 
 use crate::entry::known_species;
 use crate::file_light::{FileLight, bases_for};

@@ -81,6 +81,11 @@ impl BlockMap {
         self.words.iter().flat_map(|[bits, _]| bits.to_le_bytes()).collect()
     }
 
+    /// For each 32 blocks in Morton order their bits, and the number of stored blocks before them.
+    pub fn words(&self) -> &[[u32; 2]] {
+        &self.words
+    }
+
     /// Sites of the lattice along an edge.
     pub fn lattice(&self) -> u32 {
         self.lattice

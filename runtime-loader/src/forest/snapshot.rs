@@ -4,12 +4,22 @@ use std::sync::Arc;
 
 use super::plants::{Plant, PlantId, find};
 use super::volumes::Volumes;
+use crate::light::LightVolume;
 
 /// The light of all plants as a frame left it ([`super::Forest::snapshot`]). It holds what it needs.
 #[derive(Debug, Default)]
 pub struct Snapshot {
     pub(super) plants: Arc<Vec<Plant>>,
     pub(super) species: Vec<Shown>,
+}
+
+/// Light of a plant: `sum of factor x volume + rest`.
+#[derive(Debug)]
+pub struct Parts<'s> {
+    /// Four at most. Plants and snapshots share them: the same `Arc` is the same light.
+    pub volumes: Vec<(&'s Arc<LightVolume>, f32)>,
+    /// Light per band, the same at all points.
+    pub rest: Vec<f32>,
 }
 
 /// What is shown of a species.
@@ -39,22 +49,38 @@ impl Snapshot {
         let Some(plant) = find(&self.plants, plant) else { return false };
         let shown = &self.species[plant.species as usize];
         let out = &mut out[..shown.mean.len()];
-        let Some((now, scale)) = &shown.now else {
-            out.copy_from_slice(&shown.mean);
-            return true;
-        };
         let mut light = [0.0; flb_format::container::records::MAX_BANDS as usize];
         let light = &mut light[..out.len()];
         out.fill(0.0);
-        now.add(plant, scale * shown.share, point_m, light, out);
-        if shown.share < 1.0 {
-            match &shown.before {
-                Some((before, scale)) => before.add(plant, scale * (1.0 - shown.share), point_m, light, out),
-                None => {
-                    out.iter_mut().zip(&shown.mean).for_each(|(out, mean)| *out += (1.0 - shown.share) * mean)
-                }
-            }
-        }
+        let rest = shown.tell(plant, |volume, factor| {
+            volume.at(point_m, light);
+            out.iter_mut().zip(&*light).for_each(|(out, light)| *out += factor * light);
+        });
+        out.iter_mut().zip(&shown.mean).for_each(|(out, mean)| *out += rest * mean);
         true
+    }
+
+    /// Light of a plant as a sum of volumes, for a GPU that holds them; `None` where there is no such plant.
+    pub fn parts(&self, plant: PlantId) -> Option<Parts<'_>> {
+        let plant = find(&self.plants, plant)?;
+        let shown = &self.species[plant.species as usize];
+        let mut volumes = Vec::new();
+        let rest = shown.tell(plant, |volume, factor| volumes.push((volume, factor)));
+        Some(Parts { volumes, rest: shown.mean.iter().map(|mean| rest * mean).collect() })
+    }
+}
+
+impl Shown {
+    /// Tells the volumes of a plant with their factors; the share of the mean light beside them.
+    fn tell<'s>(&'s self, plant: &Plant, mut tell: impl FnMut(&'s Arc<LightVolume>, f32)) -> f32 {
+        let Some((now, scale)) = &self.now else { return 1.0 };
+        now.tell(plant, scale * self.share, &mut tell);
+        match &self.before {
+            Some((before, scale)) if self.share < 1.0 => {
+                before.tell(plant, scale * (1.0 - self.share), tell);
+                0.0
+            }
+            _ => 1.0 - self.share,
+        }
     }
 }

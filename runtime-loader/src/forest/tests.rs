@@ -137,7 +137,17 @@ fn a_sun_that_moves_on_is_followed_by_steps_and_its_strength_at_once() {
     let mut seen = Vec::new();
     for _ in 0..PATIENCE {
         let report = forest.frame(&camera(), &noon, Work::run);
-        seen.push(light(&forest.snapshot(), id));
+        let snapshot = forest.snapshot();
+        seen.push(light(&snapshot, id));
+        // A GPU adds up the same.
+        let parts = snapshot.parts(id).expect("a plant");
+        let (mut rgb, mut one) = ([0.0; 3], [0.0; 3]);
+        for (volume, factor) in &parts.volumes {
+            volume.at(point(0), &mut one);
+            rgb.iter_mut().zip(one).for_each(|(sum, light)| *sum += factor * light);
+        }
+        rgb.iter_mut().zip(&parts.rest).for_each(|(sum, rest)| *sum += rest);
+        assert!(rgb == seen[seen.len() - 1][0] && (1..=2).contains(&parts.volumes.len()));
         if report.is_final {
             break;
         }

@@ -87,19 +87,16 @@ impl Volumes {
         self.turns.iter().flatten().map(|turned| &turned.volume)
     }
 
-    /// Adds a share of the light at a point of a plant.
-    pub(super) fn add(
-        &self,
+    /// Tells the volumes of a plant, with their shares of `share`.
+    pub(super) fn tell<'v>(
+        &'v self,
         plant: &Plant,
         share: f32,
-        point_m: [f32; 3],
-        light: &mut [f32],
-        out: &mut [f32],
+        mut tell: impl FnMut(&'v Arc<LightVolume>, f32),
     ) {
         for (turn, weight) in plant.turn.both(self.turns.len() as u32) {
             if let Some(turned) = &self.turns[self.nearest[turn as usize]] {
-                turned.volume.at(point_m, light);
-                out.iter_mut().zip(&*light).for_each(|(out, light)| *out += share * weight * light);
+                tell(&turned.volume, share * weight);
             }
         }
     }

@@ -8,6 +8,7 @@
 mod channels;
 mod fields;
 mod near_texels;
+pub mod words;
 
 use std::sync::Arc;
 

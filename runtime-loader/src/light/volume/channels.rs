@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use flb_format::blocks::{EDGE, Shared, TEXELS, coarse};
+use flb_format::blocks::{BlockMap, EDGE, Shared, TEXELS, coarse};
 use flb_format::sample::corners;
 
 /// Texels of a block along an edge.
@@ -76,6 +76,26 @@ impl Channels {
 
     pub(super) fn size_bytes(&self) -> usize {
         size_of_val(&self.ranges[..]) + self.codes.len() + size_of_val(&self.coarse[..])
+    }
+
+    /// Blocks that are stored.
+    pub(super) fn map(&self) -> &BlockMap {
+        &self.shared.map
+    }
+
+    /// `[block][channel]`: the least value, and a step of the codes.
+    pub(super) fn ranges(&self) -> &[[f32; 2]] {
+        &self.ranges
+    }
+
+    /// `[block][z][y][x][channel]`
+    pub(super) fn codes(&self) -> &[u8] {
+        &self.codes
+    }
+
+    /// `[z][y][x][channel]`, every 16 sites.
+    pub(super) fn coarse(&self) -> &[f32] {
+        &self.coarse
     }
 
     /// Number of channels.

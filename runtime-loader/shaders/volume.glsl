@@ -1,0 +1,175 @@
+#version 450 core
+// Made from src/light/volume/volume.wgsl by naga; FLB_WRITE_SHADERS=1 cargo test -p flb-runtime
+#extension GL_ARB_shader_storage_buffer_object : require
+const uint FLB_VOLUME_LATTICE = 1u;
+const uint FLB_VOLUME_MIDDLE = 2u;
+const uint FLB_VOLUME_SITES_PER_M = 5u;
+const uint FLB_VOLUME_MAP = 6u;
+const uint FLB_VOLUME_RANGES = 7u;
+const uint FLB_VOLUME_CODES = 8u;
+const uint FLB_VOLUME_COARSE = 9u;
+const uint FLB_VOLUME_COARSE_EDGE = 10u;
+const uint FLB_VOLUME_LEAST = 11u;
+const uint FLB_VOLUME_NO_BLOCK = 4294967295u;
+const float FLB_VOLUME_COARSE_SITES = 16.0;
+
+layout(std430) readonly buffer type_2_block_0Fragment { uint _group_0_binding_0_fs[]; };
+
+layout(location = 0) smooth in vec3 _vs2fs_location0;
+layout(location = 0) out vec4 _fs2p_location0;
+
+vec3 flb_volume_floats(uint at) {
+    uint _e3 = _group_0_binding_0_fs[at];
+    uint _e8 = _group_0_binding_0_fs[(at + 1u)];
+    uint _e13 = _group_0_binding_0_fs[(at + 2u)];
+    uvec3 words = uvec3(_e3, _e8, _e13);
+    return uintBitsToFloat(words);
+}
+
+uint flb_volume_spread(uint coordinate) {
+    uint v = 0u;
+    v = ((coordinate | (coordinate << 16u)) & 50331903u);
+    uint _e7 = v;
+    uint _e8 = v;
+    v = ((_e7 | (_e8 << 8u)) & 50393103u);
+    uint _e14 = v;
+    uint _e15 = v;
+    v = ((_e14 | (_e15 << 4u)) & 51130563u);
+    uint _e21 = v;
+    uint _e22 = v;
+    return ((_e21 | (_e22 << 2u)) & 153391689u);
+}
+
+uint flb_volume_rank(uint map, uvec3 block) {
+    uint _e3 = flb_volume_spread(block.x);
+    uint _e5 = flb_volume_spread(block.y);
+    uint _e10 = flb_volume_spread(block.z);
+    uint code = ((_e3 | (_e5 << 1u)) | (_e10 << 2u));
+    uint at_1 = (map + (2u * (code >> 5u)));
+    uint bits = _group_0_binding_0_fs[at_1];
+    uint bit = (1u << (code & 31u));
+    if (((bits & bit) == 0u)) {
+        return FLB_VOLUME_NO_BLOCK;
+    }
+    uint _e34 = _group_0_binding_0_fs[(at_1 + 1u)];
+    return (_e34 + uint(bitCount((bits & (bit - 1u)))));
+}
+
+vec3 flb_volume_coarse(uint volume, uvec3 texel) {
+    vec3 light = vec3(0.0);
+    uint corner = 0u;
+    uint _e6 = _group_0_binding_0_fs[(volume + FLB_VOLUME_COARSE)];
+    uint first = (volume + _e6);
+    uint edge = _group_0_binding_0_fs[(volume + FLB_VOLUME_COARSE_EDGE)];
+    vec3 place = (((vec3(texel) + vec3(0.5)) / vec3(16.0)) - vec3(0.5));
+    vec3 inside = clamp(place, vec3(0.0), vec3((float(edge) - 1.0)));
+    uvec3 low = uvec3(inside);
+    vec3 part = (inside - vec3(low));
+    bool loop_init = true;
+    while(true) {
+        if (!loop_init) {
+            uint _e80 = corner;
+            corner = (_e80 + 1u);
+        }
+        loop_init = false;
+        uint _e38 = corner;
+        if ((_e38 < 8u)) {
+        } else {
+            break;
+        }
+        {
+            uint _e41 = corner;
+            uvec3 upper = ((uvec3(_e41) >> uvec3(0u, 1u, 2u)) & uvec3(1u));
+            uvec3 at_2 = min((low + upper), uvec3((edge - 1u)));
+            vec3 weights = mix((vec3(1.0) - part), part, vec3(upper));
+            vec3 _e71 = flb_volume_floats((first + (3u * ((((at_2.z * edge) + at_2.y) * edge) + at_2.x))));
+            vec3 _e72 = light;
+            light = (_e72 + (((weights.x * weights.y) * weights.z) * _e71));
+        }
+    }
+    vec3 _e83 = light;
+    return _e83;
+}
+
+vec3 flb_volume(uint volume_1, vec3 point_m_1) {
+    uvec3 block_1 = uvec3(0u);
+    uint rank = 0u;
+    vec3 light_1 = vec3(0.0);
+    uint corner_1 = 0u;
+    uint lattice = _group_0_binding_0_fs[(volume_1 + FLB_VOLUME_LATTICE)];
+    uint _e11 = _group_0_binding_0_fs[(volume_1 + FLB_VOLUME_SITES_PER_M)];
+    float sites_per_m = uintBitsToFloat(_e11);
+    vec3 _e15 = flb_volume_floats((volume_1 + FLB_VOLUME_MIDDLE));
+    vec3 from_middle = ((point_m_1 - _e15) * sites_per_m);
+    float last = (float(lattice) - 1.0);
+    vec3 place_1 = clamp((from_middle + vec3((0.5 * last))), vec3(0.0), vec3(last));
+    uvec3 texel_1 = min(uvec3(place_1), uvec3((lattice - 2u)));
+    vec3 part_1 = (place_1 - vec3(texel_1));
+    uint _e40 = _group_0_binding_0_fs[(volume_1 + FLB_VOLUME_MAP)];
+    uint map_1 = (volume_1 + _e40);
+    uint _e46 = _group_0_binding_0_fs[(volume_1 + FLB_VOLUME_RANGES)];
+    uint ranges = (volume_1 + _e46);
+    uint _e52 = _group_0_binding_0_fs[(volume_1 + FLB_VOLUME_CODES)];
+    uint codes = (volume_1 + _e52);
+    block_1 = (texel_1 >> uvec3(2u));
+    uvec3 _e58 = block_1;
+    uint _e59 = flb_volume_rank(map_1, _e58);
+    rank = _e59;
+    bool loop_init_1 = true;
+    while(true) {
+        if (!loop_init_1) {
+            uint _e148 = corner_1;
+            corner_1 = (_e148 + 1u);
+        }
+        loop_init_1 = false;
+        uint _e66 = corner_1;
+        if ((_e66 < 8u)) {
+        } else {
+            break;
+        }
+        {
+            uint _e69 = corner_1;
+            uvec3 upper_1 = ((uvec3(_e69) >> uvec3(0u, 1u, 2u)) & uvec3(1u));
+            uvec3 at_3 = (texel_1 + upper_1);
+            vec3 weights_1 = mix((vec3(1.0) - part_1), part_1, vec3(upper_1));
+            float weight = ((weights_1.x * weights_1.y) * weights_1.z);
+            uvec3 its_block = (at_3 >> uvec3(2u));
+            uvec3 _e93 = block_1;
+            if (any(notEqual(its_block, _e93))) {
+                block_1 = its_block;
+                uvec3 _e96 = block_1;
+                uint _e97 = flb_volume_rank(map_1, _e96);
+                rank = _e97;
+            }
+            uint _e98 = rank;
+            if ((_e98 == FLB_VOLUME_NO_BLOCK)) {
+                vec3 _e101 = light_1;
+                vec3 _e102 = flb_volume_coarse(volume_1, at_3);
+                light_1 = (_e101 + (weight * _e102));
+            } else {
+                uvec3 inside_1 = (at_3 & uvec3(3u));
+                uint _e110 = rank;
+                uint code_1 = _group_0_binding_0_fs[(((codes + (64u * _e110)) + (((inside_1.z * 4u) + inside_1.y) * 4u)) + inside_1.x)];
+                vec3 channels = vec3(((uvec3(code_1) >> uvec3(0u, 8u, 16u)) & uvec3(255u)));
+                uint _e136 = rank;
+                uint range = (ranges + (6u * _e136));
+                vec3 _e139 = light_1;
+                vec3 _e140 = flb_volume_floats(range);
+                vec3 _e143 = flb_volume_floats((range + 3u));
+                light_1 = (_e139 + (weight * (_e140 + (_e143 * channels))));
+            }
+        }
+    }
+    uint _e155 = _group_0_binding_0_fs[(volume_1 + FLB_VOLUME_LEAST)];
+    float least = uintBitsToFloat(_e155);
+    vec3 _e157 = light_1;
+    return max(_e157, vec3(least));
+}
+
+void main() {
+    vec3 point_m = _vs2fs_location0;
+    vec3 _e2 = flb_volume(0u, point_m);
+    _fs2p_location0 = vec4(_e2, 1.0);
+    return;
+}
+

@@ -1,0 +1,202 @@
+// Made from src/light/volume/volume.wgsl by naga; FLB_WRITE_SHADERS=1 cargo test -p flb-runtime
+// language: metal2.0
+#include <metal_stdlib>
+#include <simd/simd.h>
+
+using metal::uint;
+
+struct _mslBufferSizes {
+    uint size0;
+};
+
+typedef uint type_2[1];
+constant uint FLB_VOLUME_LATTICE = 1u;
+constant uint FLB_VOLUME_MIDDLE = 2u;
+constant uint FLB_VOLUME_SITES_PER_M = 5u;
+constant uint FLB_VOLUME_MAP = 6u;
+constant uint FLB_VOLUME_RANGES = 7u;
+constant uint FLB_VOLUME_CODES = 8u;
+constant uint FLB_VOLUME_COARSE = 9u;
+constant uint FLB_VOLUME_COARSE_EDGE = 10u;
+constant uint FLB_VOLUME_LEAST = 11u;
+constant uint FLB_VOLUME_NO_BLOCK = 4294967295u;
+constant float FLB_VOLUME_COARSE_SITES = 16.0;
+
+metal::float3 flb_volume_floats(
+    uint at,
+    device type_2 const& flb_volumes,
+    constant _mslBufferSizes& _buffer_sizes
+) {
+    uint _e3 = flb_volumes[at];
+    uint _e8 = flb_volumes[at + 1u];
+    uint _e13 = flb_volumes[at + 2u];
+    metal::uint3 words = metal::uint3(_e3, _e8, _e13);
+    return as_type<metal::float3>(words);
+}
+
+uint flb_volume_spread(
+    uint coordinate
+) {
+    uint v = {};
+    v = (coordinate | (coordinate << 16u)) & 50331903u;
+    uint _e7 = v;
+    uint _e8 = v;
+    v = (_e7 | (_e8 << 8u)) & 50393103u;
+    uint _e14 = v;
+    uint _e15 = v;
+    v = (_e14 | (_e15 << 4u)) & 51130563u;
+    uint _e21 = v;
+    uint _e22 = v;
+    return (_e21 | (_e22 << 2u)) & 153391689u;
+}
+
+uint flb_volume_rank(
+    uint map,
+    metal::uint3 block,
+    device type_2 const& flb_volumes,
+    constant _mslBufferSizes& _buffer_sizes
+) {
+    uint _e3 = flb_volume_spread(block.x);
+    uint _e5 = flb_volume_spread(block.y);
+    uint _e10 = flb_volume_spread(block.z);
+    uint code = (_e3 | (_e5 << 1u)) | (_e10 << 2u);
+    uint at_1 = map + (2u * (code >> 5u));
+    uint bits = flb_volumes[at_1];
+    uint bit = 1u << (code & 31u);
+    if ((bits & bit) == 0u) {
+        return FLB_VOLUME_NO_BLOCK;
+    }
+    uint _e34 = flb_volumes[at_1 + 1u];
+    return _e34 + metal::popcount(bits & (bit - 1u));
+}
+
+metal::uint3 naga_f2u32(metal::float3 value) {
+    return static_cast<metal::uint3>(metal::clamp(value, 0.0, 4294967000.0));
+}
+
+metal::float3 flb_volume_coarse(
+    uint volume,
+    metal::uint3 texel,
+    device type_2 const& flb_volumes,
+    constant _mslBufferSizes& _buffer_sizes
+) {
+    metal::float3 light = metal::float3(0.0);
+    uint corner = 0u;
+    uint _e6 = flb_volumes[volume + FLB_VOLUME_COARSE];
+    uint first = volume + _e6;
+    uint edge = flb_volumes[volume + FLB_VOLUME_COARSE_EDGE];
+    metal::float3 place = ((static_cast<metal::float3>(texel) + metal::float3(0.5)) / metal::float3(16.0)) - metal::float3(0.5);
+    metal::float3 inside = metal::clamp(place, metal::float3(0.0), metal::float3(static_cast<float>(edge) - 1.0));
+    metal::uint3 low = naga_f2u32(inside);
+    metal::float3 part = inside - static_cast<metal::float3>(low);
+    uint2 loop_bound = uint2(4294967295u);
+    bool loop_init = true;
+    while(true) {
+        if (metal::all(loop_bound == uint2(0u))) { break; }
+        loop_bound -= uint2(loop_bound.y == 0u, 1u);
+        if (!loop_init) {
+            uint _e80 = corner;
+            corner = _e80 + 1u;
+        }
+        loop_init = false;
+        uint _e38 = corner;
+        if (_e38 < 8u) {
+        } else {
+            break;
+        }
+        {
+            uint _e41 = corner;
+            metal::uint3 upper = (metal::uint3(_e41) >> metal::uint3(0u, 1u, 2u)) & metal::uint3(1u);
+            metal::uint3 at_2 = metal::min(low + upper, metal::uint3(edge - 1u));
+            metal::float3 weights = metal::mix(metal::float3(1.0) - part, part, static_cast<metal::float3>(upper));
+            metal::float3 _e71 = flb_volume_floats(first + (3u * ((((at_2.z * edge) + at_2.y) * edge) + at_2.x)), flb_volumes, _buffer_sizes);
+            metal::float3 _e72 = light;
+            light = _e72 + (((weights.x * weights.y) * weights.z) * _e71);
+        }
+    }
+    metal::float3 _e83 = light;
+    return _e83;
+}
+
+metal::float3 flb_volume(
+    uint volume_1,
+    metal::float3 point_m,
+    device type_2 const& flb_volumes,
+    constant _mslBufferSizes& _buffer_sizes
+) {
+    metal::uint3 block_1 = {};
+    uint rank = {};
+    metal::float3 light_1 = metal::float3(0.0);
+    uint corner_1 = 0u;
+    uint lattice = flb_volumes[volume_1 + FLB_VOLUME_LATTICE];
+    uint _e11 = flb_volumes[volume_1 + FLB_VOLUME_SITES_PER_M];
+    float sites_per_m = as_type<float>(_e11);
+    metal::float3 _e15 = flb_volume_floats(volume_1 + FLB_VOLUME_MIDDLE, flb_volumes, _buffer_sizes);
+    metal::float3 from_middle = (point_m - _e15) * sites_per_m;
+    float last = static_cast<float>(lattice) - 1.0;
+    metal::float3 place_1 = metal::clamp(from_middle + metal::float3(0.5 * last), metal::float3(0.0), metal::float3(last));
+    metal::uint3 texel_1 = metal::min(naga_f2u32(place_1), metal::uint3(lattice - 2u));
+    metal::float3 part_1 = place_1 - static_cast<metal::float3>(texel_1);
+    uint _e40 = flb_volumes[volume_1 + FLB_VOLUME_MAP];
+    uint map_1 = volume_1 + _e40;
+    uint _e46 = flb_volumes[volume_1 + FLB_VOLUME_RANGES];
+    uint ranges = volume_1 + _e46;
+    uint _e52 = flb_volumes[volume_1 + FLB_VOLUME_CODES];
+    uint codes = volume_1 + _e52;
+    block_1 = texel_1 >> metal::uint3(2u);
+    metal::uint3 _e58 = block_1;
+    uint _e59 = flb_volume_rank(map_1, _e58, flb_volumes, _buffer_sizes);
+    rank = _e59;
+    uint2 loop_bound_1 = uint2(4294967295u);
+    bool loop_init_1 = true;
+    while(true) {
+        if (metal::all(loop_bound_1 == uint2(0u))) { break; }
+        loop_bound_1 -= uint2(loop_bound_1.y == 0u, 1u);
+        if (!loop_init_1) {
+            uint _e148 = corner_1;
+            corner_1 = _e148 + 1u;
+        }
+        loop_init_1 = false;
+        uint _e66 = corner_1;
+        if (_e66 < 8u) {
+        } else {
+            break;
+        }
+        {
+            uint _e69 = corner_1;
+            metal::uint3 upper_1 = (metal::uint3(_e69) >> metal::uint3(0u, 1u, 2u)) & metal::uint3(1u);
+            metal::uint3 at_3 = texel_1 + upper_1;
+            metal::float3 weights_1 = metal::mix(metal::float3(1.0) - part_1, part_1, static_cast<metal::float3>(upper_1));
+            float weight = (weights_1.x * weights_1.y) * weights_1.z;
+            metal::uint3 its_block = at_3 >> metal::uint3(2u);
+            metal::uint3 _e93 = block_1;
+            if (metal::any(its_block != _e93)) {
+                block_1 = its_block;
+                metal::uint3 _e96 = block_1;
+                uint _e97 = flb_volume_rank(map_1, _e96, flb_volumes, _buffer_sizes);
+                rank = _e97;
+            }
+            uint _e98 = rank;
+            if (_e98 == FLB_VOLUME_NO_BLOCK) {
+                metal::float3 _e101 = light_1;
+                metal::float3 _e102 = flb_volume_coarse(volume_1, at_3, flb_volumes, _buffer_sizes);
+                light_1 = _e101 + (weight * _e102);
+            } else {
+                metal::uint3 inside_1 = at_3 & metal::uint3(3u);
+                uint _e110 = rank;
+                uint code_1 = flb_volumes[((codes + (64u * _e110)) + (((inside_1.z * 4u) + inside_1.y) * 4u)) + inside_1.x];
+                metal::float3 channels = static_cast<metal::float3>((metal::uint3(code_1) >> metal::uint3(0u, 8u, 16u)) & metal::uint3(255u));
+                uint _e136 = rank;
+                uint range = ranges + (6u * _e136);
+                metal::float3 _e139 = light_1;
+                metal::float3 _e140 = flb_volume_floats(range, flb_volumes, _buffer_sizes);
+                metal::float3 _e143 = flb_volume_floats(range + 3u, flb_volumes, _buffer_sizes);
+                light_1 = _e139 + (weight * (_e140 + (_e143 * channels)));
+            }
+        }
+    }
+    uint _e155 = flb_volumes[volume_1 + FLB_VOLUME_LEAST];
+    float least = as_type<float>(_e155);
+    metal::float3 _e157 = light_1;
+    return metal::max(_e157, metal::float3(least));
+}

@@ -1,0 +1,107 @@
+// The whole light of plants as volumes (LightVolume::words). Put this file before your own shader; it adds names that
+// begin with flb_ or FLB, and one binding:
+//
+//   @group(0) @binding(0)  storage, read only  volumes, one behind the other in any order
+//
+// `flb_volume(volume, point_m)` is the light at a point of the model at rest, red, green and blue, of eight
+// texels. `volume` is the word at which a volume begins.
+
+// Words of a volume's head.
+const FLB_VOLUME_LATTICE: u32 = 1u;
+const FLB_VOLUME_MIDDLE: u32 = 2u;
+const FLB_VOLUME_SITES_PER_M: u32 = 5u;
+const FLB_VOLUME_MAP: u32 = 6u;
+const FLB_VOLUME_RANGES: u32 = 7u;
+const FLB_VOLUME_CODES: u32 = 8u;
+const FLB_VOLUME_COARSE: u32 = 9u;
+const FLB_VOLUME_COARSE_EDGE: u32 = 10u;
+const FLB_VOLUME_LEAST: u32 = 11u;
+
+const FLB_VOLUME_NO_BLOCK: u32 = 0xffffffffu;
+// Sites from one coarse value to the next.
+const FLB_VOLUME_COARSE_SITES: f32 = 16.0;
+
+@group(0) @binding(0) var<storage, read> flb_volumes: array<u32>;
+
+fn flb_volume_floats(at: u32) -> vec3<f32> {
+    let words = vec3<u32>(flb_volumes[at], flb_volumes[at + 1u], flb_volumes[at + 2u]);
+    return bitcast<vec3<f32>>(words);
+}
+
+// Bits of a coordinate, two apart.
+fn flb_volume_spread(coordinate: u32) -> u32 {
+    var v = (coordinate | coordinate << 16u) & 0x030000ffu;
+    v = (v | v << 8u) & 0x0300f00fu;
+    v = (v | v << 4u) & 0x030c30c3u;
+    return (v | v << 2u) & 0x09249249u;
+}
+
+// Number of a block among the stored ones.
+fn flb_volume_rank(map: u32, block: vec3<u32>) -> u32 {
+    let code = flb_volume_spread(block.x) | flb_volume_spread(block.y) << 1u | flb_volume_spread(block.z) << 2u;
+    let at = map + 2u * (code >> 5u);
+    let bits = flb_volumes[at];
+    let bit = 1u << (code & 31u);
+    if (bits & bit) == 0u {
+        return FLB_VOLUME_NO_BLOCK;
+    }
+    return flb_volumes[at + 1u] + countOneBits(bits & (bit - 1u));
+}
+
+// What stands in for a texel where no block is stored.
+fn flb_volume_coarse(volume: u32, texel: vec3<u32>) -> vec3<f32> {
+    let first = volume + flb_volumes[volume + FLB_VOLUME_COARSE];
+    let edge = flb_volumes[volume + FLB_VOLUME_COARSE_EDGE];
+    let place = (vec3<f32>(texel) + 0.5) / FLB_VOLUME_COARSE_SITES - 0.5;
+    let inside = clamp(place, vec3<f32>(0.0), vec3<f32>(f32(edge) - 1.0));
+    let low = vec3<u32>(inside);
+    let part = inside - vec3<f32>(low);
+    var light = vec3<f32>(0.0);
+    for (var corner = 0u; corner < 8u; corner += 1u) {
+        let upper = (vec3<u32>(corner) >> vec3<u32>(0u, 1u, 2u)) & vec3<u32>(1u);
+        let at = min(low + upper, vec3<u32>(edge - 1u));
+        let weights = mix(1.0 - part, part, vec3<f32>(upper));
+        let value = flb_volume_floats(first + 3u * ((at.z * edge + at.y) * edge + at.x));
+        light += weights.x * weights.y * weights.z * value;
+    }
+    return light;
+}
+
+// Light of a plant at a point of its model at rest, metres. A point outside takes the light of the nearest one inside.
+fn flb_volume(volume: u32, point_m: vec3<f32>) -> vec3<f32> {
+    let lattice = flb_volumes[volume + FLB_VOLUME_LATTICE];
+    let sites_per_m = bitcast<f32>(flb_volumes[volume + FLB_VOLUME_SITES_PER_M]);
+    let from_middle = (point_m - flb_volume_floats(volume + FLB_VOLUME_MIDDLE)) * sites_per_m;
+    let last = f32(lattice) - 1.0;
+    let place = clamp(from_middle + 0.5 * last, vec3<f32>(0.0), vec3<f32>(last));
+    let texel = min(vec3<u32>(place), vec3<u32>(lattice - 2u));
+    let part = place - vec3<f32>(texel);
+    let map = volume + flb_volumes[volume + FLB_VOLUME_MAP];
+    let ranges = volume + flb_volumes[volume + FLB_VOLUME_RANGES];
+    let codes = volume + flb_volumes[volume + FLB_VOLUME_CODES];
+    var block = texel >> vec3<u32>(2u);
+    var rank = flb_volume_rank(map, block);
+    var light = vec3<f32>(0.0);
+    for (var corner = 0u; corner < 8u; corner += 1u) {
+        let upper = (vec3<u32>(corner) >> vec3<u32>(0u, 1u, 2u)) & vec3<u32>(1u);
+        let at = texel + upper;
+        let weights = mix(1.0 - part, part, vec3<f32>(upper));
+        let weight = weights.x * weights.y * weights.z;
+        let its_block = at >> vec3<u32>(2u);
+        if any(its_block != block) {
+            block = its_block;
+            rank = flb_volume_rank(map, block);
+        }
+        if rank == FLB_VOLUME_NO_BLOCK {
+            light += weight * flb_volume_coarse(volume, at);
+        } else {
+            let inside = at & vec3<u32>(3u);
+            let code = flb_volumes[codes + 64u * rank + (inside.z * 4u + inside.y) * 4u + inside.x];
+            let channels = vec3<f32>((vec3<u32>(code) >> vec3<u32>(0u, 8u, 16u)) & vec3<u32>(255u));
+            let range = ranges + 6u * rank;
+            light += weight * (flb_volume_floats(range) + flb_volume_floats(range + 3u) * channels);
+        }
+    }
+    let least = bitcast<f32>(flb_volumes[volume + FLB_VOLUME_LEAST]);
+    return max(light, vec3<f32>(least));
+}
