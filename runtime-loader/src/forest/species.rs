@@ -59,6 +59,10 @@ impl Lit {
         day: &Daylight,
         settings: &ForestSettings,
     ) -> Option<Wanted> {
+        if day.sun == 0.0 && day.sky == 0.0 {
+            // Of no light at all nothing could be shown that is brighter later.
+            return None;
+        }
         let now = self.now.as_ref().filter(|now| now.fits(day, settings.step_deg));
         // Those that can be made, and whether they would be better than what is there.
         let used = (0..).zip(&self.used).filter(|(_, used)| **used > 0).map(|(turn, _)| turn);

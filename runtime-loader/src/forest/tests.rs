@@ -168,6 +168,12 @@ fn a_sun_that_moves_on_is_followed_by_steps_and_its_strength_at_once() {
             &exact(&stands, &Daylight { towards_sun: [0.0, 1.0, 0.0], ..night })
         ) < 0.01
     );
+    // In the dark nothing is made, and the first light after it is not black.
+    let dark = Daylight { sky: 0.0, ..night };
+    assert_eq!(settle(&mut forest, &dark), 0);
+    assert!(light(&forest.snapshot(), id).iter().flatten().all(|band| *band == 0.0));
+    forest.frame(&camera(), &DAY, Work::run);
+    assert!(light(&forest.snapshot(), id).iter().flatten().all(|band| *band > 0.0));
     let none = Daylight { sun: f32::NAN, sky: f32::INFINITY, towards_sun: [f64::NAN; 3] };
     forest.frame(&camera(), &none, Work::run);
     assert!(light(&forest.snapshot(), id).iter().flatten().all(|band| band.is_finite()));
