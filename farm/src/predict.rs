@@ -5,8 +5,9 @@ use flb_scene::extents::Walls;
 
 /// Everything that does not grow with the lattice: the program, the mesh, voxels of the fine grid, textures.
 const BASE_BYTES: u64 = 40_000_000;
-/// Of a site: density, class, areas, extinction, and what stages keep beside them for a moment.
-const SITE_BYTES: u64 = 40;
+/// Of a site: density, class, areas, extinction, what stages keep beside them for a moment, and what the allocator
+/// keeps of the stages before.
+const SITE_BYTES: u64 = 100;
 /// Of a site with matter and of a ray through it, while light is solved.
 const RAY_BYTES: u64 = 2_900;
 /// Share of sites with matter on a lattice of 32^3. A finer lattice has matter at a smaller share.
