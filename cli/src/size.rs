@@ -38,13 +38,8 @@ impl Measured {
 
     fn new(extents: Option<Extents>, doubts: Vec<Doubt>, mend: Mend) -> Measured {
         let size_m = extents.map_or([0.0; 3], |extents| extents.size_m());
-        Measured {
-            size_m,
-            doubts: doubts
-                .iter()
-                .map(|doubt| DoubtSaid { kind: doubt.name(), message: mend.said(doubt) })
-                .collect(),
-        }
+        let said = |doubt: &Doubt| DoubtSaid { kind: doubt.name(), message: mend.said(doubt) };
+        Measured { size_m, doubts: doubts.iter().map(said).collect() }
     }
 
     /// Says the doubts on stderr.
@@ -75,4 +70,20 @@ impl Measured {
 /// "12.5 x 11.9 x 11.8".
 pub(crate) fn size_text(size_m: [f64; 3]) -> String {
     size_m.map(number).join(" x ")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_doubt_that_is_said_has_its_kind() {
+        let size = Doubt::Size { longest_m: 1500.0, units: vec![("cm", 15.0), ("mm", 1.5)] };
+        let all = [size, Doubt::HighWood { above_m: 3.0, height_m: 4.0 }, Doubt::NoLeaf];
+        let said = Measured::new(None, all.to_vec(), Mend::Flags).doubts;
+        assert_eq!(said.len(), all.len());
+        for (said, doubt) in said.iter().zip(&all) {
+            assert_eq!((said.kind, &said.message), (doubt.name(), &Mend::Flags.said(doubt)));
+        }
+    }
 }

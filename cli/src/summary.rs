@@ -74,7 +74,7 @@ impl SpeciesSummary {
             ratio: plain_bytes as f64 / stored(&mut { sections }).max(1) as f64,
             bases,
             surface_psnr_db: meta.recorded(&SURFACE_PSNR_DB).flatten(),
-            missed: species.report.iter().flat_map(|report| &report.missed).map(|m| m.to_string()).collect(),
+            missed: species.missed().map(|m| m.to_string()).collect(),
             plan,
         }
     }
@@ -97,7 +97,7 @@ impl SpeciesSummary {
 /// Whether a species is worse than it was to be coded: a relative error in dark places, beside a mean one, is only
 /// worth a warning.
 pub(crate) fn misses_its_error(species: &EncodedSpecies) -> bool {
-    species.report.iter().flat_map(|report| &report.missed).any(|missed| missed.is_loss())
+    species.missed().any(|missed| missed.is_loss())
 }
 
 /// One row per species.

@@ -74,9 +74,7 @@ pub fn make(job: &Job, store: &dyn Store, listener: &dyn Listener) -> Result<Mad
         return Err(FarmError::Unsound { species: entry.name.clone(), issue });
     }
     let picture = Step::Render.run(&heard, &entry.name, |_| thumbnails(&mesh, &entry.name, &file))?;
-    let missed = || species.report.iter().flat_map(|report| &report.missed);
-    warnings.extend(missed().filter(|missed| missed.is_loss()).map(|missed| missed.to_string()));
-    let dark_error = missed().map(|missed| missed.dark_error).reduce(f64::max);
+    warnings.extend(species.missed().filter(|missed| missed.is_loss()).map(|missed| missed.to_string()));
     let State { log, stages, .. } = heard.state.into_inner().expect("no holder panics");
     if !converged {
         warnings.push("a solve ended before it met its tolerance".to_owned());
@@ -84,7 +82,6 @@ pub fn make(job: &Job, store: &dyn Store, listener: &dyn Listener) -> Result<Mad
     let facts = Facts {
         is_converged: converged,
         seconds: start.elapsed().as_secs_f64(),
-        dark_error,
         warnings,
         ..Facts::of(&species, &job.key, &file)
     };

@@ -74,7 +74,7 @@ impl Facts {
             bands: meta.bands().map(str::to_owned).collect(),
             suns_error: held_out.map(|error| error.suns_rms),
             psnr_db: meta.recorded(&SURFACE_PSNR_DB).flatten(),
-            dark_error: None,
+            dark_error: species.missed().map(|missed| missed.dark_error).reduce(f64::max),
             is_converged: true,
             seconds: 0.0,
             warnings: Vec::new(),

@@ -29,7 +29,7 @@ pub use cursor::Cursor;
 pub use detail::{CodedBlock, Coding};
 pub use head::Head;
 pub use map::BlockMap;
-pub use sample::SpeciesPoint;
+pub use sample::{At, SpeciesPoint};
 pub use transform::{EDGE, TEXELS};
 
 use std::fmt;

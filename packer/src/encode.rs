@@ -19,6 +19,7 @@ use std::sync::Arc;
 use std::sync::atomic::{AtomicUsize, Ordering};
 
 use crate::quality::{self, CodingReport};
+use crate::rate::Missed;
 use crate::surface::surface_sites;
 use crate::{PackError, priority};
 
@@ -41,6 +42,11 @@ pub struct EncodedSpecies {
 }
 
 impl EncodedSpecies {
+    /// Bases whose coding missed the error that was asked for.
+    pub fn missed(&self) -> impl Iterator<Item = &Missed> {
+        self.report.iter().flat_map(|report| &report.missed)
+    }
+
     /// Writes into the metadata how far the coded light is off on the mesh. `settings` are those of its coding.
     ///
     /// # Errors

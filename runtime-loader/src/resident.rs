@@ -11,6 +11,7 @@
 //! Never black, and never of memory that was given back: a sample reads what `&self` holds, and units come and go
 //! between frames, by `&mut self`.
 
+mod all;
 mod generation;
 mod mean;
 mod one_base;
@@ -19,18 +20,19 @@ mod terms;
 use std::sync::{Arc, OnceLock};
 
 use flb_format::beam::{MAX_MEANS, Near};
-use flb_format::blocks::{BlockFault, CodedBase, Shared};
+use flb_format::blocks::{CodedBase, Shared};
 use flb_format::container::Species;
 use flb_format::light::SunBasis;
-use flb_format::{Container, FormatError, Grid};
+use flb_format::{FormatError, Grid};
 
 use crate::base::{Base, SamplePoint, read_base};
 use crate::entry::{known_species, no_base};
 use crate::extinction::Extinction;
 use crate::near_beam::{Marcher, MediumSites, everywhere};
-use crate::residency::{Runs, UnitId, UnitKind, Units};
+use crate::residency::Runs;
 use crate::sun_terms::{SunTerms, unit};
 use crate::{Library, RuntimeError};
+pub use all::Resident;
 use mean::Mean;
 pub(crate) use terms::Shown;
 pub use terms::Terms;
@@ -72,13 +74,6 @@ pub enum LightLevel {
     Whole,
 }
 
-/// Loaded units of a library.
-#[derive(Debug)]
-pub struct Resident {
-    /// Shared with who holds a species as it was ([`Resident::shared`]): what changes is then another one.
-    species: Vec<Arc<ResidentSpecies>>,
-}
-
 /// Loaded units of a species.
 #[derive(Debug, Clone)]
 pub struct ResidentSpecies {
@@ -105,126 +100,6 @@ pub struct ResidentSpecies {
     blend_frames: u16,
     /// How often its terms have changed.
     generation: u64,
-}
-
-impl Resident {
-    /// Makes a set of loaded units that is empty.
-    pub fn new(container: &Container, units: &Units) -> Resident {
-        let species = container.species().iter().enumerate().map(|(index, species)| {
-            let items = units.bases(index).iter().map(|base| base.item).collect();
-            Arc::new(ResidentSpecies::empty(species, items))
-        });
-        Resident { species: species.collect() }
-    }
-
-    /// Blends over so many frames, 1 or more: each unit that comes takes gradually the place of what stood in for it.
-    #[must_use]
-    pub fn blending_over(mut self, frames: u16) -> Resident {
-        self.species.iter_mut().for_each(|species| Arc::make_mut(species).blend_frames = frames.max(1));
-        self
-    }
-
-    /// A frame passes: what has come is shown a little more.
-    pub fn advance(&mut self) {
-        for number in 0..self.species.len() {
-            if !self.is_blending(number) {
-                continue;
-            }
-            let species = Arc::make_mut(&mut self.species[number]);
-            let most = species.blend_frames;
-            let ages = species.ages.iter_mut().chain([&mut species.extinction_age]);
-            ages.filter(|age| (1..most).contains(*age)).for_each(|age| *age += 1);
-            species.generation += 1;
-        }
-    }
-
-    /// Whether a unit of a species has come that is not shown in full yet.
-    pub fn is_blending(&self, species: usize) -> bool {
-        let species = &self.species[species];
-        let ages = species.ages.iter().chain([&species.extinction_age]);
-        ages.into_iter().any(|age| (1..species.blend_frames).contains(age))
-    }
-
-    /// Loaded units of a species.
-    ///
-    /// # Panics
-    /// If there is no such species.
-    pub fn species(&self, species: usize) -> &ResidentSpecies {
-        &self.species[species]
-    }
-
-    /// Loaded units of a species as they are now, to be held while others come and go: on another thread, say.
-    ///
-    /// # Panics
-    /// If there is no such species.
-    pub fn shared(&self, species: usize) -> Arc<ResidentSpecies> {
-        Arc::clone(&self.species[species])
-    }
-
-    /// Memory of everything loaded.
-    pub fn size_bytes(&self) -> usize {
-        self.species.iter().map(|species| species.size_bytes()).sum()
-    }
-
-    /// Puts a unit in its place; one that it stands on is there.
-    ///
-    /// # Errors
-    /// [`BlockFault`] for a page that is not of its base; nothing is changed.
-    ///
-    /// # Panics
-    /// If the payload is not of the unit's kind, or what it stands on is not there.
-    pub fn insert(&mut self, units: &Units, unit: UnitId, payload: Payload) -> Result<(), BlockFault> {
-        let unit = units.get(unit);
-        let species = Arc::make_mut(&mut self.species[unit.species as usize]);
-        let was_whole = species.is_whole(unit.kind);
-        match (unit.kind, payload) {
-            (UnitKind::Shared, Payload::Shared(shared, _)) => species.shared = Some(shared),
-            (UnitKind::Extinction, Payload::Extinction(extinction)) => {
-                species.extinction = Some(Arc::from(extinction));
-                species.extinction_age = 1;
-                species.sites = OnceLock::new();
-            }
-            (UnitKind::Averages { base }, Payload::Averages(coded)) => {
-                assert!(species.shared.is_some(), "averages stand on a block map");
-                species.bases[base as usize] = Some(Base::Near(Arc::from(coded)));
-                species.ages[base as usize] = 1;
-            }
-            (UnitKind::Detail { base, .. }, Payload::Detail(payload)) => {
-                let Some(Base::Near(base)) = &mut species.bases[base as usize] else {
-                    panic!("detail stands on averages")
-                };
-                Arc::make_mut(base).add(unit.blocks[0], unit.blocks[1], &payload)?;
-            }
-            (kind, _) => panic!("a payload of another kind than {kind:?}"),
-        }
-        species.changed(unit.kind, was_whole);
-        Ok(())
-    }
-
-    /// Drops a unit; nothing that stands on it is there any more.
-    pub fn remove(&mut self, units: &Units, unit: UnitId) {
-        let unit = units.get(unit);
-        let species = Arc::make_mut(&mut self.species[unit.species as usize]);
-        let was_whole = species.is_whole(unit.kind);
-        match unit.kind {
-            UnitKind::Shared => species.shared = None,
-            UnitKind::Extinction => {
-                species.extinction = None;
-                species.extinction_age = 0;
-                species.sites = OnceLock::new();
-            }
-            UnitKind::Averages { base } => {
-                species.bases[base as usize] = None;
-                species.ages[base as usize] = 0;
-            }
-            UnitKind::Detail { base, .. } => {
-                if let Some(Base::Near(base)) = &mut species.bases[base as usize] {
-                    Arc::make_mut(base).remove(unit.blocks[0]);
-                }
-            }
-        }
-        species.changed(unit.kind, was_whole);
-    }
 }
 
 impl ResidentSpecies {
@@ -474,10 +349,7 @@ impl ResidentSpecies {
         let factors = terms.factors(shares);
         self.fill(terms, factors.constants, out);
         let mut point = self.point(point_model_m);
-        let of_sun = terms.sun().map(|(base, factor)| (base, factors.sun * factor));
-        let of_beam = terms.near_bases().0.zip(near).map(|(base, near)| (base, factors.near * near));
-        let of_sky = terms.sky().map(|base| (base, factors.sky));
-        for (base, factor) in of_sun.chain(of_beam).chain(of_sky).filter(|(_, factor)| *factor != 0.0) {
+        for (base, factor) in terms.at_point(factors, near) {
             let Some(Some(base)) = self.bases.get(usize::from(base)) else { return false };
             point.add(base, factor, out);
         }

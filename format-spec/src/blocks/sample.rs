@@ -16,17 +16,19 @@ use crate::container::records::MAX_BANDS;
 /// Most components of the fast path.
 const FEW: usize = 4;
 
-/// Texels of a sample: `[x, y, z]` of its lower texel, and how far it lies towards the next.
+/// Texels of a sample: the lower one of eight, and how far the sample lies towards the next.
 #[derive(Debug, Clone)]
-pub(super) struct At {
+pub struct At {
+    /// The lower texel, `[x, y, z]`.
     pub texel: [u32; 3],
+    /// Share of the next one, along each axis.
     pub part: [f32; 3],
 }
 
 impl At {
     /// In lattice coordinates (site i covers i..i+1). Points outside are clamped; NaN is read as the lower end.
     #[inline]
-    pub(super) fn of(lattice: u32, point: [f64; 3]) -> At {
+    pub fn of(lattice: u32, point: [f64; 3]) -> At {
         let place = point.map(|x| (x - 0.5).max(0.0).min(f64::from(lattice - 1)));
         let texel = place.map(|x| (x as u32).min(lattice - 2));
         At { texel, part: std::array::from_fn(|axis| (place[axis] - f64::from(texel[axis])) as f32) }
@@ -34,7 +36,7 @@ impl At {
 
     /// Bit `axis` says that the sample lies between two blocks along that axis.
     #[inline]
-    pub(super) fn straddled(&self) -> usize {
+    pub fn straddled(&self) -> usize {
         (0..3).fold(0, |bits, a| bits | usize::from(self.texel[a] as usize % EDGE == EDGE - 1) << a)
     }
 }

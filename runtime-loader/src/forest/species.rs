@@ -107,12 +107,14 @@ impl Lit {
         all.iter().map(|volume| volume.size_bytes()).sum()
     }
 
-    /// What a snapshot shows of it. Of `outside` nothing is loaded: it has the mean light.
+    /// What a snapshot shows of it. Of `outside` nothing is loaded: it has the mean light, where that counts.
     pub(super) fn shown(&self, outside: &ResidentSpecies, day: &Daylight) -> Shown {
-        let mut mean = vec![0.0; outside.bands()];
-        InstanceLight::new(outside, day).at([0.0; 3], &mut mean);
-        let scaled = |volumes: &Arc<Volumes>| (Arc::clone(volumes), volumes.scale(day));
         let share = f32::from(self.age) / f32::from(self.blend_frames);
+        let mut mean = vec![0.0; outside.bands()];
+        if self.now.is_none() || (self.before.is_none() && share < 1.0) {
+            InstanceLight::new(outside, day).at([0.0; 3], &mut mean);
+        }
+        let scaled = |volumes: &Arc<Volumes>| (Arc::clone(volumes), volumes.scale(day));
         Shown { now: self.now.as_ref().map(scaled), before: self.before.as_ref().map(scaled), share, mean }
     }
 }

@@ -59,8 +59,7 @@ struct Parts<'a> {
 
 impl<'a> LightCursor<'a> {
     pub(super) fn new(light: &'a InstanceLight<'a>) -> LightCursor<'a> {
-        let coded = Some(light).filter(|light| !light.is_expanded());
-        let kept = coded.and_then(Parts::of).and_then(|parts| CachedSums::new(parts, light));
+        let kept = Parts::of(light).and_then(|parts| CachedSums::new(parts, light));
         let sky = light.uneven().filter(|_| kept.is_some()).and_then(|sky| sky.cursor(light.species));
         LightCursor { light, kept, sky }
     }
@@ -101,7 +100,7 @@ impl<'a> LightCursor<'a> {
         for (number, out) in out.chunks_exact_mut(bands).enumerate() {
             let center = texel_at(first, number).map(|texel| texel as f64 + 0.5);
             let point_m = light.species.grid().model_from_lattice(center).map(|x| x as f32);
-            let Some(kept) = &mut self.kept else {
+            let Some(kept) = &self.kept else {
                 light.at(point_m, out);
                 continue;
             };
@@ -173,8 +172,11 @@ impl<'a> CachedSums<'a> {
 }
 
 impl<'a> Parts<'a> {
-    /// `None` where a basis is not coded near geometry.
+    /// `None` where a basis is not coded near geometry, and where the fields are expanded.
     fn of(light: &'a InstanceLight<'a>) -> Option<Parts<'a>> {
+        if light.is_expanded() {
+            return None;
+        }
         let (species, terms) = (light.species, &light.terms);
         let coded = |place: u16| species.base(usize::from(place));
         let scaled = |scale: f32| move |(place, factor): (u16, f32)| Some((coded(place)?, scale * factor));

@@ -14,6 +14,7 @@ use std::sync::Arc;
 
 use flb_format::Grid;
 use flb_format::blocks::EDGE;
+use flb_format::sample::site_of;
 
 use crate::InstanceLight;
 use channels::Channels;
@@ -78,8 +79,8 @@ impl InstanceLight<'_> {
 
 /// A texel of a block by its number.
 pub(super) fn texel_at(first: [usize; 3], number: usize) -> [usize; 3] {
-    let inside = [number % EDGE, number / EDGE % EDGE, number / (EDGE * EDGE)];
-    std::array::from_fn(|axis| first[axis] + inside[axis])
+    let inside = site_of(number, EDGE as u32);
+    std::array::from_fn(|axis| first[axis] + inside[axis] as usize)
 }
 
 #[cfg(test)]

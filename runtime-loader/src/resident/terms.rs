@@ -2,6 +2,8 @@
 
 use std::ops::Range;
 
+use flb_format::beam::MAX_MEANS;
+
 use super::{LightLevel, ResidentSpecies};
 use crate::sun_terms::{MAX_BASES, SunTerms};
 
@@ -185,6 +187,19 @@ impl Terms {
     /// factor of the sky's base in that.
     pub(super) fn missing(&self) -> ([f32; 2], f32) {
         (self.missing, self.stand_in)
+    }
+
+    /// Places in the species' bases, and what each of them is multiplied by at a point with these means of the near
+    /// beam: the sun's, the near beam's, then the sky's.
+    pub(crate) fn at_point(
+        &self,
+        factors: Factors,
+        near: [f32; MAX_MEANS],
+    ) -> impl Iterator<Item = (u16, f32)> {
+        let of_sun = self.sun().map(move |(base, factor)| (base, factors.sun * factor));
+        let of_beam = self.near_bases().0.zip(near).map(move |(base, near)| (base, factors.near * near));
+        let of_sky = self.sky().map(|base| (base, factors.sky));
+        of_sun.chain(of_beam).chain(of_sky).filter(|(_, factor)| *factor != 0.0)
     }
 
     /// Places in the species' bases and factors of a sun of irradiance 1.

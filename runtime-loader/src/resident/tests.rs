@@ -6,7 +6,7 @@ use proptest::prelude::*;
 use super::*;
 use crate::physical::PhysicalSampler;
 use crate::plants::{BANDS, library_of_three, noise};
-use crate::residency::ResidencySettings;
+use crate::residency::{ResidencySettings, UnitId, UnitKind, Units};
 use crate::sampler::SpeciesSampler;
 use crate::stream::{Frame, Stage};
 use crate::{Daylight, Library, SpeciesLight};

@@ -98,13 +98,7 @@ impl Mend {
     }
 
     fn up(self, axis: &str) -> String {
-        let words = match self {
-            Mend::Flags => format!("--up {axis}"),
-            Mend::Bake => format!("--up {axis} of flb bake"),
-            Mend::SpeciesFile => format!("up = {axis:?} of its species file"),
-            Mend::Manifest => format!("up = {axis:?} in its table `plant`"),
-        };
-        format!("{words} turns it upright")
+        format!("{} turns it upright", self.words(&format!("--up {axis}"), &format!("up = {axis:?}")))
     }
 }
 

@@ -2,8 +2,8 @@
 
 use std::sync::Arc;
 
-use flb_format::blocks::{BlockMap, EDGE, Shared, TEXELS, coarse};
-use flb_format::sample::corners;
+use flb_format::blocks::{At, BlockMap, EDGE, Shared, TEXELS, coarse};
+use flb_format::sample::{corners, site_of};
 
 /// Texels of a block along an edge.
 const ALONG: u32 = EDGE as u32;
@@ -22,22 +22,6 @@ pub(super) struct Channels {
     codes: Vec<u8>,
     /// `[z][y][x][channel]`: values where no block is stored, every 16 sites.
     coarse: Vec<f32>,
-}
-
-/// A sample's lower texel, and how far it lies towards the next.
-struct At {
-    texel: [u32; 3],
-    part: [f32; 3],
-}
-
-impl At {
-    /// In lattice coordinates (site i covers i..i+1). Points outside are clamped; NaN is read as the lower end.
-    fn of(lattice: u32, point: [f64; 3]) -> At {
-        // Written so that a NaN is the lower end.
-        let place = point.map(|x| (x - 0.5).max(0.0).min(f64::from(lattice - 1)));
-        let texel = place.map(|x| (x as u32).min(lattice - 2));
-        At { texel, part: std::array::from_fn(|axis| (place[axis] - f64::from(texel[axis])) as f32) }
-    }
 }
 
 impl Channels {
@@ -67,9 +51,8 @@ impl Channels {
         let edge = coarse::edge(&self.shared.map);
         let stride = f64::from(coarse::COARSE_EDGE);
         let mut all = vec![0.0; edge.pow(3) as usize * self.count];
-        for (site, values) in (0_u32..).zip(all.chunks_exact_mut(self.count)) {
-            let at = [site % edge, site / edge % edge, site / (edge * edge)];
-            value(at.map(|at| stride * (f64::from(at) + 0.5)), values);
+        for (site, values) in (0..).zip(all.chunks_exact_mut(self.count)) {
+            value(site_of(site, edge).map(|at| stride * (f64::from(at) + 0.5)), values);
         }
         Channels { coarse: all, ..self }
     }
@@ -106,9 +89,8 @@ impl Channels {
     /// Adds each channel at a point in lattice coordinates to `out`.
     pub(super) fn add(&self, point: [f64; 3], out: &mut [f32]) {
         let at = At::of(self.shared.map.lattice(), point);
-        let is_inside = at.texel.iter().all(|texel| texel % ALONG < ALONG - 1);
         let first = at.texel.map(|texel| texel / ALONG);
-        match self.shared.map.rank(first).filter(|_| is_inside) {
+        match self.shared.map.rank(first).filter(|_| at.straddled() == 0) {
             Some(rank) => self.add_inside(rank as usize, &at, out),
             None => self.add_corners(&at, out),
         }

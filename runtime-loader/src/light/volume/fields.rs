@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use flb_format::Grid;
 use flb_format::beam::MAX_MEANS;
-use flb_format::blocks::{Cursor, EDGE, TEXELS};
+use flb_format::blocks::{Cursor, EDGE};
 
 use super::channels::Channels;
 use crate::SpeciesLight;
@@ -51,15 +51,9 @@ impl FieldVolume {
             }
         };
         self.channels.add(self.grid.lattice_from_model(point_m.map(f64::from)), found);
-        let mut add = |place: u16, factor: f32| {
+        for (place, factor) in terms.at_point(terms.factors(shares), near) {
             let light = &found[usize::from(place) * self.bands..];
             out.iter_mut().zip(light).for_each(|(out, light)| *out += factor * light);
-        };
-        let factors = terms.factors(shares);
-        terms.sun().for_each(|(place, factor)| add(place, factors.sun * factor));
-        terms.near_bases().0.zip(near).for_each(|(place, near)| add(place, factors.near * near));
-        if let Some(place) = terms.sky().filter(|_| factors.sky != 0.0) {
-            add(place, factors.sky);
         }
     }
 }
@@ -73,35 +67,17 @@ impl SpeciesLight<'_> {
         let species = self.resident();
         let shared = Arc::clone(species.shared()?);
         let (grid, bands, bases) = (*species.grid(), species.bands(), species.items().len());
-        let sums: Vec<_> = (0..bases).map(|base| species.base(base).map(|base| vec![(base, 1.0)])).collect();
-        let there: Vec<bool> = sums.iter().map(Option::is_some).collect();
-        let sums: Vec<_> = sums.into_iter().flatten().collect();
-        if sums.is_empty() {
+        // Of a base that is not there the sum is 0, and nothing asks for it.
+        let sums: Vec<Vec<_>> =
+            (0..bases).map(|base| species.base(base).map(|base| (base, 1.0)).into_iter().collect()).collect();
+        if sums.iter().all(Vec::is_empty) {
             return None;
         }
-        let (found, count) = (sums.len() * bands, bases * bands);
-        // Of bases that are not there nothing is asked.
-        let spread = |found: &[f32], out: &mut [f32]| {
-            let mut found = found.chunks_exact(bands);
-            for (out, is_there) in out.chunks_exact_mut(bands).zip(&there) {
-                match if *is_there { found.next() } else { None } {
-                    Some(light) => out.copy_from_slice(light),
-                    None => out.fill(0.0),
-                }
-            }
-        };
         let mut cursor = Cursor::of_sums(sums);
-        let mut texels = vec![0.0; TEXELS * found];
-        let channels = Channels::fill(shared, count, |first, out| {
-            cursor.block(first.map(|texel| (texel / EDGE) as u32), &mut texels);
-            let texels = texels.chunks_exact(found);
-            texels.zip(out.chunks_exact_mut(count)).for_each(|(found, out)| spread(found, out));
+        let channels = Channels::fill(shared, bases * bands, |first, out| {
+            cursor.block(first.map(|texel| (texel / EDGE) as u32), out);
         });
-        let mut sample = vec![0.0; found];
-        let channels = channels.with_coarse(|point, out| {
-            cursor.sample(point, &mut sample);
-            spread(&sample, out);
-        });
+        let channels = channels.with_coarse(|point, out| cursor.sample(point, out));
         Some(FieldVolume { grid, bands, channels })
     }
 }

@@ -2,6 +2,7 @@
 
 use flb_format::beam::MAX_MEANS;
 use flb_format::blocks::{EDGE, TEXELS};
+use flb_format::sample::site_of;
 
 use super::texel_at;
 use crate::InstanceLight;
@@ -52,8 +53,8 @@ impl<'a> NearTexels<'a> {
 /// A texel and those around it.
 fn around(texel: [usize; 3], lattice: usize) -> impl Iterator<Item = [usize; 3]> {
     (0..27).filter_map(move |number: usize| {
-        let offset = [number % 3, number / 3 % 3, number / 9];
-        let at: [usize; 3] = std::array::from_fn(|axis| texel[axis] + offset[axis]);
+        let offset = site_of(number, 3);
+        let at: [usize; 3] = std::array::from_fn(|axis| texel[axis] + offset[axis] as usize);
         at.iter().all(|x| (1..=lattice).contains(x)).then(|| at.map(|x| x - 1))
     })
 }

@@ -114,14 +114,9 @@ fn on_gpu(words: &[u32], points: &[[f32; 4]]) -> Vec<[f32; 3]> {
     };
     let found = made(&vec![0xA5; 16 * points.len()]);
     let buffers = [made(bytemuck::cast_slice(words)), made(bytemuck::cast_slice(points)), found.clone()];
-    let entry = |(binding, buffer): (u32, &wgpu::Buffer)| (binding, buffer.clone());
-    let kept: Vec<(u32, wgpu::Buffer)> = (0..).zip(&buffers).map(entry).collect();
-    let entries: Vec<_> = kept
-        .iter()
-        .map(|(binding, buffer)| wgpu::BindGroupEntry {
-            binding: *binding,
-            resource: buffer.as_entire_binding(),
-        })
+    let entries: Vec<_> = (0..)
+        .zip(&buffers)
+        .map(|(binding, buffer)| wgpu::BindGroupEntry { binding, resource: buffer.as_entire_binding() })
         .collect();
     let layout = pipeline.get_bind_group_layout(0);
     let group = gpu.device.create_bind_group(&wgpu::BindGroupDescriptor {
