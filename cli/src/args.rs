@@ -414,6 +414,7 @@ mod tests {
         check(|angles: &LeafAngleChoice| angles.name());
         check(|plant: &PlantKind| plant.name());
         check(|quality: &Quality| quality.name());
+        check(|purpose: &flb_format::Purpose| purpose.name());
         check(|suns: &NamedSuns| suns.name());
         check(|up: &Up| up.name());
         let named = |level: &Level| Level::ALL.into_iter().find(|(of, _)| of == level);

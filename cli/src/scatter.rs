@@ -141,7 +141,10 @@ fn stand(args: &ScatterArgs, spots: &Spots, heights: Option<&Heights>) -> Vec<Sc
         ScatteredPlant {
             species: species.unwrap_or(args.species.len() - 1),
             position_m: [*x, heights.map_or(0.0, |heights| heights.at_m(*x, *z)), *z],
-            yaw_deg: 360.0 * draw(1),
+            yaw_deg: match args.yaws.map(f64::from) {
+                Some(yaws) => 360.0 / yaws * (yaws * draw(1)).floor(),
+                None => 360.0 * draw(1),
+            },
             scale: args.scale[0] + (args.scale[1] - args.scale[0]) * draw(2),
         }
     };
@@ -210,12 +213,14 @@ fn scene(args: &ScatterArgs, stand: &[ScatteredPlant]) -> Result<String, Failure
             text += "upright = true\n";
         }
     }
+    // Those of few yaws are so close to theirs that nothing lies between them.
+    let digits = if args.yaws.is_some() { 6 } else { 2 };
     for ScatteredPlant { species, position_m: [x, y, z], yaw_deg, scale } in stand {
         let name = toml_string(&args.species[*species].name);
         push(
             &mut text,
             format_args!(
-                "\n[[instance]]\nspecies = {name}\nposition_m = [{x:.3}, {y:.3}, {z:.3}]\nyaw_deg = {yaw_deg:.2}\n\
+                "\n[[instance]]\nspecies = {name}\nposition_m = [{x:.3}, {y:.3}, {z:.3}]\nyaw_deg = {yaw_deg:.digits$}\n\
                  scale = {scale:.3}\n"
             ),
         );

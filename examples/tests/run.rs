@@ -57,3 +57,17 @@ fn the_forest_of_an_engine_has_light_from_its_first_frames_on_and_more_of_a_risi
     assert!(lit[5].iter().zip(&lit[0]).all(|(last, first)| *last > 2.0 * first), "{text}");
     assert!(text.lines().all(|line| line.contains("60 plants")), "{text}");
 }
+
+#[test]
+fn the_forest_on_a_gpu_has_the_light_of_the_cpu() {
+    let text = run(env!("CARGO_BIN_EXE_forest_on_a_gpu"));
+    let lit = numbers(&text, "light");
+    assert_eq!(lit.len(), 5, "{text}");
+    assert!(lit.iter().all(|bands| bands.len() == 3 && bands.iter().all(|band| *band > 0.0)), "{text}");
+    assert!(lit[4].iter().zip(&lit[0]).all(|(last, first)| *last > 1.5 * first), "{text}");
+    for line in text.lines() {
+        let apart = line.split("written, ").nth(1).and_then(|rest| rest.split(' ').next());
+        let apart: f32 = apart.expect("how far").parse().expect("a number");
+        assert!(apart < 0.002, "{line}");
+    }
+}

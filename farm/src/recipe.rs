@@ -9,7 +9,7 @@ mod words;
 
 use flb_baker::crown::LeafAngleChoice;
 use flb_format::light::FieldKind;
-use flb_format::{Codec, Quality};
+use flb_format::{Codec, Purpose, Quality};
 use flb_transport::ordinates::NamedSuns;
 use serde::{Deserialize, Serialize};
 
@@ -35,6 +35,9 @@ pub struct Recipe {
     /// The preset. Default: [`Quality::Standard`].
     #[serde(with = "words::quality", skip_serializing_if = "Option::is_none")]
     pub quality: Option<Quality>,
+    /// The use that the bake is for, in place of a preset.
+    #[serde(rename = "for", with = "words::purpose", skip_serializing_if = "Option::is_none")]
+    pub purpose: Option<Purpose>,
     /// Light transport model. Default: that of the preset.
     #[serde(with = "words::model", skip_serializing_if = "Option::is_none")]
     pub model: Option<ModelName>,
@@ -140,21 +143,35 @@ impl std::fmt::Display for RecipeError {
 impl std::error::Error for RecipeError {}
 
 impl Recipe {
-    /// The preset, or the default one.
+    /// The preset, that of the purpose, or the default one.
     pub fn quality(&self) -> Quality {
-        self.quality.unwrap_or_default()
+        self.quality.or(self.purpose.map(Purpose::quality)).unwrap_or_default()
+    }
+
+    /// Refuses two words for one choice.
+    fn check_preset(&self) -> Result<(), RecipeError> {
+        match (self.quality, self.purpose) {
+            (Some(quality), Some(purpose)) => Err(RecipeError::new(format!(
+                "`quality {quality}` with `for {purpose}`: expected one of them"
+            ))),
+            _ => Ok(()),
+        }
     }
 
     /// Returns the settings, and those of `base` where they leave one out.
     pub fn over(&self, base: &Recipe) -> Recipe {
-        let Recipe { quality, model, lattice, voxels, ignore_alpha, tolerance, steps, max_sweeps, .. } =
-            *self;
+        let (quality, purpose) = match (self.quality, self.purpose) {
+            (None, None) => (base.quality, base.purpose),
+            own => own,
+        };
+        let Recipe { model, lattice, voxels, ignore_alpha, tolerance, steps, max_sweeps, .. } = *self;
         let Recipe { solver, suns, ordinates, rays, cut_sites, field, leaf_angles, monte_carlo, .. } = *self;
         let Recipe {
             codec, target_psnr, target_error, all_blocks, near_geometry, threshold, compress, ..
         } = *self;
         Recipe {
-            quality: quality.or(base.quality),
+            quality,
+            purpose,
             model: model.or(base.model),
             lattice: lattice.or(base.lattice),
             voxels: voxels.or(base.voxels),

@@ -54,6 +54,7 @@ pub mod sky_part;
 mod source;
 mod species;
 pub mod sun;
+pub mod surface;
 mod surfaces;
 #[cfg(feature = "testing")]
 pub mod testing;
@@ -82,7 +83,7 @@ pub use error::FormatError;
 pub use field::{Field, Grid};
 pub use medium::Medium;
 pub use meta::SpeciesMeta;
-pub use quality::Quality;
+pub use quality::{Purpose, Quality};
 pub use source::Source;
 pub use species::SpeciesFields;
 pub use transform::{Placement, Transform};

@@ -1,4 +1,4 @@
-//! How exact a bake is, in one word.
+//! How exact a bake is, or what it is for, in one word.
 
 use std::fmt;
 
@@ -39,6 +39,47 @@ impl Quality {
 }
 
 impl fmt::Display for Quality {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(self.name())
+    }
+}
+
+/// Use that a bake is for. What it stands for is with those who use it: a quality, and for some a lattice
+/// (`flb_baker::BakeSettings::of_purpose`).
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+#[cfg_attr(feature = "clap", derive(clap::ValueEnum))]
+pub enum Purpose {
+    /// Real time: many plants, little memory, a sun that moves.
+    Games,
+    /// Pictures: what is baked where nothing is said.
+    Stills,
+    /// Frames of a film, seen from near by: the least error, whatever the bake takes.
+    Film,
+}
+
+impl Purpose {
+    /// All purposes.
+    pub const ALL: [Purpose; 3] = [Purpose::Games, Purpose::Stills, Purpose::Film];
+
+    /// Name of the purpose on the command line.
+    pub fn name(self) -> &'static str {
+        match self {
+            Purpose::Games => "games",
+            Purpose::Stills => "stills",
+            Purpose::Film => "film",
+        }
+    }
+
+    /// The quality that it takes.
+    pub fn quality(self) -> Quality {
+        match self {
+            Purpose::Games | Purpose::Stills => Quality::Standard,
+            Purpose::Film => Quality::Fine,
+        }
+    }
+}
+
+impl fmt::Display for Purpose {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         f.write_str(self.name())
     }

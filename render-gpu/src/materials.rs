@@ -1,9 +1,9 @@
 //! Materials, images and what alpha leaves of them, as words.
 
+use flb_format::surface::Law;
 use flb_render::forest::export::{FlatModel, linear_from_srgb};
 use flb_scene::MaterialClass;
 use flb_scene::alpha::{Coverage, Cut};
-use flb_scene::color::Law;
 use flb_scene::mesh::{Image, Material, Texture, Wrap};
 
 use crate::ForestError;
@@ -152,7 +152,7 @@ fn solid_offset(model: &FlatModel<'_>, class: MaterialClass) -> f32 {
 fn finish(model: &FlatModel<'_>, index: usize) -> [[f32; 3]; 3] {
     let Some((_, laws)) = &model.surfaces else { return [[1.0; 3], [0.0; 3], [0.0; 3]] };
     let Law { unit, reflectance, transmittance } = laws[index];
-    [unit, reflectance, transmittance].map(|color| color.to_array())
+    [unit, reflectance, transmittance]
 }
 
 fn check_edges(edges: [usize; 2]) -> Result<(), ForestError> {

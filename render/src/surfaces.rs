@@ -2,8 +2,9 @@
 
 use flb_format::SpeciesMeta;
 use flb_format::matter::BandSurfaces;
+use flb_format::surface::{Law, ROUNDING, Shares, Surface};
 use flb_scene::MaterialClass;
-use flb_scene::color::{Law, ROUNDING, Shares};
+use flb_scene::color::law;
 use glam::Vec3;
 
 use crate::{
@@ -97,28 +98,29 @@ impl Finish {
         let wood = [surfaces.wood_reflectance.into(), Vec3::ZERO];
         let of_class = |class| if class == MaterialClass::Leaf { leaf } else { wood };
         let materials = scene.mesh.materials.iter().zip(scene.classes).zip(scene.mean_colors());
-        let laws =
-            materials.map(|((material, &class), mean)| Law::of(material, class, of_class(class), mean));
+        let laws = materials.map(|((material, &class), mean)| law(material, class, of_class(class), mean));
         Finish { surfaces, laws: laws.collect() }
     }
 
     /// The surface where a ray met it.
     pub(crate) fn at(&self, hit: &Hit) -> Matt {
-        let Shares { reflectance, transmittance, .. } = self.laws[hit.material].at(hit.color);
-        let is_leaf = hit.class == MaterialClass::Leaf;
-        let received = if is_leaf || self.surfaces.solid_offset_m.is_some() { 0.25 } else { 0.5 };
-        Matt { reflectance, transmittance, received }
+        let surface = self.surface(hit);
+        let Shares { reflectance, transmittance, .. } = surface.law().at(hit.color.to_array());
+        Matt {
+            reflectance: reflectance.into(),
+            transmittance: transmittance.into(),
+            received: surface.received(),
+        }
+    }
+
+    fn surface(&self, hit: &Hit) -> Surface {
+        Surface::new(self.laws[hit.material], hit.class.into(), self.surfaces.solid_offset_m)
     }
 
     /// What light on a surface of an instance is asked for.
     pub(crate) fn asks(&self, instance: u32, hit: &Hit) -> LightQuery {
-        let point = match (hit.class, self.surfaces.solid_offset_m) {
-            (MaterialClass::Leaf, _) | (_, None) => hit.point,
-            (MaterialClass::Wood | MaterialClass::Neither, Some(offset_m)) => {
-                hit.point + hit.flat_normal * offset_m
-            }
-        };
-        LightQuery::of(instance, point, hit)
+        let point = self.surface(hit).asked_at(hit.point.to_array(), hit.flat_normal.to_array());
+        LightQuery::of(instance, point.into(), hit)
     }
 }
 

@@ -12,6 +12,12 @@ const uint FLB_VOLUME_COARSE_EDGE = 10u;
 const uint FLB_VOLUME_LEAST = 11u;
 const uint FLB_VOLUME_NO_BLOCK = 4294967295u;
 const float FLB_VOLUME_COARSE_SITES = 16.0;
+const uint FLB_FOREST_PLANTS = 1u;
+const uint FLB_FOREST_MAX_PLANTS = 2u;
+const uint FLB_SPECIES_FACTOR = 1u;
+const uint FLB_SPECIES_REST = 3u;
+const uint FLB_SPECIES_VOLUMES = 8u;
+const uint FLB_PLANT = 2u;
 
 layout(std430) readonly buffer type_2_block_0Fragment { uint _group_0_binding_0_fs[]; };
 
@@ -64,7 +70,7 @@ vec3 flb_volume_coarse(uint volume, uvec3 texel) {
     vec3 place = (((vec3(texel) + vec3(0.5)) / vec3(16.0)) - vec3(0.5));
     vec3 inside = clamp(place, vec3(0.0), vec3((float(edge) - 1.0)));
     uvec3 low = uvec3(inside);
-    vec3 part = (inside - vec3(low));
+    vec3 part_1 = (inside - vec3(low));
     bool loop_init = true;
     while(true) {
         if (!loop_init) {
@@ -81,7 +87,7 @@ vec3 flb_volume_coarse(uint volume, uvec3 texel) {
             uint _e41 = corner;
             uvec3 upper = ((uvec3(_e41) >> uvec3(0u, 1u, 2u)) & uvec3(1u));
             uvec3 at_2 = min((low + upper), uvec3((edge - 1u)));
-            vec3 weights = mix((vec3(1.0) - part), part, vec3(upper));
+            vec3 weights = mix((vec3(1.0) - part_1), part_1, vec3(upper));
             vec3 _e71 = flb_volume_floats((first + (3u * ((((at_2.z * edge) + at_2.y) * edge) + at_2.x))));
             vec3 _e72 = light;
             light = (_e72 + (((weights.x * weights.y) * weights.z) * _e71));
@@ -104,7 +110,7 @@ vec3 flb_volume(uint volume_1, vec3 point_m_1) {
     float last = (float(lattice) - 1.0);
     vec3 place_1 = clamp((from_middle + vec3((0.5 * last))), vec3(0.0), vec3(last));
     uvec3 texel_1 = min(uvec3(place_1), uvec3((lattice - 2u)));
-    vec3 part_1 = (place_1 - vec3(texel_1));
+    vec3 part_2 = (place_1 - vec3(texel_1));
     uint _e40 = _group_0_binding_0_fs[(volume_1 + FLB_VOLUME_MAP)];
     uint map_1 = (volume_1 + _e40);
     uint _e46 = _group_0_binding_0_fs[(volume_1 + FLB_VOLUME_RANGES)];
@@ -131,7 +137,7 @@ vec3 flb_volume(uint volume_1, vec3 point_m_1) {
             uint _e69 = corner_1;
             uvec3 upper_1 = ((uvec3(_e69) >> uvec3(0u, 1u, 2u)) & uvec3(1u));
             uvec3 at_3 = (texel_1 + upper_1);
-            vec3 weights_1 = mix((vec3(1.0) - part_1), part_1, vec3(upper_1));
+            vec3 weights_1 = mix((vec3(1.0) - part_2), part_2, vec3(upper_1));
             float weight = ((weights_1.x * weights_1.y) * weights_1.z);
             uvec3 its_block = (at_3 >> uvec3(2u));
             uvec3 _e93 = block_1;
@@ -166,10 +172,70 @@ vec3 flb_volume(uint volume_1, vec3 point_m_1) {
     return max(_e157, vec3(least));
 }
 
+vec3 flb_light(uint forest, uint plant, vec3 point_m_2) {
+    vec3 light_2 = vec3(0.0);
+    uint part = 0u;
+    bool local = false;
+    uint _e7 = _group_0_binding_0_fs[(forest + FLB_FOREST_MAX_PLANTS)];
+    if ((plant >= _e7)) {
+        return vec3(0.0);
+    }
+    uint _e15 = _group_0_binding_0_fs[(forest + FLB_FOREST_PLANTS)];
+    uint record = ((forest + _e15) + (FLB_PLANT * plant));
+    uint _e22 = _group_0_binding_0_fs[record];
+    if ((_e22 == 0u)) {
+        return vec3(0.0);
+    }
+    uint _e29 = _group_0_binding_0_fs[record];
+    uint species = (forest + _e29);
+    uint turn = _group_0_binding_0_fs[(record + 1u)];
+    uint yaws = _group_0_binding_0_fs[species];
+    float next = (float((turn >> 16u)) / 65536.0);
+    vec3 _e46 = flb_volume_floats((species + FLB_SPECIES_REST));
+    light_2 = _e46;
+    bool loop_init_2 = true;
+    while(true) {
+        if (!loop_init_2) {
+            uint _e98 = part;
+            part = (_e98 + 1u);
+        }
+        loop_init_2 = false;
+        uint _e50 = part;
+        if ((_e50 < 4u)) {
+        } else {
+            break;
+        }
+        {
+            uint _e53 = part;
+            uint later = (_e53 >> 1u);
+            uint yaw = (((turn & 65535u) + later) % yaws);
+            uint _e60 = part;
+            uint age = (_e60 & 1u);
+            uint _e68 = _group_0_binding_0_fs[((species + FLB_SPECIES_FACTOR) + age)];
+            float factor = uintBitsToFloat(_e68);
+            float share = (factor * ((later == 1u) ? next : (1.0 - next)));
+            uint volume_2 = _group_0_binding_0_fs[(((species + FLB_SPECIES_VOLUMES) + (2u * yaw)) + age)];
+            if ((share != 0.0)) {
+                local = (volume_2 != 0u);
+            } else {
+                local = false;
+            }
+            bool _e92 = local;
+            if (_e92) {
+                vec3 _e93 = light_2;
+                vec3 _e95 = flb_volume((forest + volume_2), point_m_2);
+                light_2 = (_e93 + (share * _e95));
+            }
+        }
+    }
+    vec3 _e101 = light_2;
+    return _e101;
+}
+
 void main() {
     vec3 point_m = _vs2fs_location0;
-    vec3 _e2 = flb_volume(0u, point_m);
-    _fs2p_location0 = vec4(_e2, 1.0);
+    vec3 _e3 = flb_light(0u, 0u, point_m);
+    _fs2p_location0 = vec4(_e3, 1.0);
     return;
 }
 

@@ -10,6 +10,12 @@ static const uint FLB_VOLUME_COARSE_EDGE = 10u;
 static const uint FLB_VOLUME_LEAST = 11u;
 static const uint FLB_VOLUME_NO_BLOCK = 4294967295u;
 static const float FLB_VOLUME_COARSE_SITES = 16.0;
+static const uint FLB_FOREST_PLANTS = 1u;
+static const uint FLB_FOREST_MAX_PLANTS = 2u;
+static const uint FLB_SPECIES_FACTOR = 1u;
+static const uint FLB_SPECIES_REST = 3u;
+static const uint FLB_SPECIES_VOLUMES = 8u;
+static const uint FLB_PLANT = 2u;
 
 ByteAddressBuffer flb_volumes : register(t0);
 
@@ -69,7 +75,7 @@ float3 flb_volume_coarse(uint volume, uint3 texel)
     float3 place = (((float3(texel) + (0.5).xxx) / (16.0).xxx) - (0.5).xxx);
     float3 inside = clamp(place, (0.0).xxx, ((float(edge) - 1.0)).xxx);
     uint3 low = naga_f2u32(inside);
-    float3 part = (inside - float3(low));
+    float3 part_1 = (inside - float3(low));
     uint2 loop_bound = uint2(4294967295u, 4294967295u);
     bool loop_init = true;
     while(true) {
@@ -89,7 +95,7 @@ float3 flb_volume_coarse(uint volume, uint3 texel)
             uint _e41 = corner;
             uint3 upper = (((_e41).xxx >> uint3(0u, 1u, 2u)) & (1u).xxx);
             uint3 at_2 = min((low + upper), ((edge - 1u)).xxx);
-            float3 weights = lerp(((1.0).xxx - part), part, float3(upper));
+            float3 weights = lerp(((1.0).xxx - part_1), part_1, float3(upper));
             const float3 _e71 = flb_volume_floats((first + (3u * ((((at_2.z * edge) + at_2.y) * edge) + at_2.x))));
             float3 _e72 = light;
             light = (_e72 + (((weights.x * weights.y) * weights.z) * _e71));
@@ -114,7 +120,7 @@ float3 flb_volume(uint volume_1, float3 point_m)
     float last = (float(lattice) - 1.0);
     float3 place_1 = clamp((from_middle + ((0.5 * last)).xxx), (0.0).xxx, (last).xxx);
     uint3 texel_1 = min(naga_f2u32(place_1), ((lattice - 2u)).xxx);
-    float3 part_1 = (place_1 - float3(texel_1));
+    float3 part_2 = (place_1 - float3(texel_1));
     uint _e40 = asuint(flb_volumes.Load((volume_1 + FLB_VOLUME_MAP)*4));
     uint map_1 = (volume_1 + _e40);
     uint _e46 = asuint(flb_volumes.Load((volume_1 + FLB_VOLUME_RANGES)*4));
@@ -144,7 +150,7 @@ float3 flb_volume(uint volume_1, float3 point_m)
             uint _e69 = corner_1;
             uint3 upper_1 = (((_e69).xxx >> uint3(0u, 1u, 2u)) & (1u).xxx);
             uint3 at_3 = (texel_1 + upper_1);
-            float3 weights_1 = lerp(((1.0).xxx - part_1), part_1, float3(upper_1));
+            float3 weights_1 = lerp(((1.0).xxx - part_2), part_2, float3(upper_1));
             float weight = ((weights_1.x * weights_1.y) * weights_1.z);
             uint3 its_block = (at_3 >> (2u).xxx);
             uint3 _e93 = block_1;
@@ -177,5 +183,74 @@ float3 flb_volume(uint volume_1, float3 point_m)
     float least = asfloat(_e155);
     float3 _e157 = light_1;
     return max(_e157, (least).xxx);
+}
+
+uint naga_mod(uint lhs, uint rhs) {
+    return lhs % (rhs == 0u ? 1u : rhs);
+}
+
+float3 flb_light(uint forest, uint plant, float3 point_m_1)
+{
+    float3 light_2 = (float3)0;
+    uint part = 0u;
+    bool local = (bool)0;
+
+    uint _e7 = asuint(flb_volumes.Load((forest + FLB_FOREST_MAX_PLANTS)*4));
+    if ((plant >= _e7)) {
+        return (0.0).xxx;
+    }
+    uint _e15 = asuint(flb_volumes.Load((forest + FLB_FOREST_PLANTS)*4));
+    uint record = ((forest + _e15) + (FLB_PLANT * plant));
+    uint _e22 = asuint(flb_volumes.Load(record*4));
+    if ((_e22 == 0u)) {
+        return (0.0).xxx;
+    }
+    uint _e29 = asuint(flb_volumes.Load(record*4));
+    uint species = (forest + _e29);
+    uint turn = asuint(flb_volumes.Load((record + 1u)*4));
+    uint yaws = asuint(flb_volumes.Load(species*4));
+    float next = (float((turn >> 16u)) / 65536.0);
+    const float3 _e46 = flb_volume_floats((species + FLB_SPECIES_REST));
+    light_2 = _e46;
+    uint2 loop_bound_2 = uint2(4294967295u, 4294967295u);
+    bool loop_init_2 = true;
+    while(true) {
+        if (all(loop_bound_2 == uint2(0u, 0u))) { break; }
+        loop_bound_2 -= uint2(loop_bound_2.y == 0u, 1u);
+        if (!loop_init_2) {
+            uint _e98 = part;
+            part = (_e98 + 1u);
+        }
+        loop_init_2 = false;
+        uint _e50 = part;
+        if ((_e50 < 4u)) {
+        } else {
+            break;
+        }
+        {
+            uint _e53 = part;
+            uint later = (_e53 >> 1u);
+            uint yaw = naga_mod(((turn & 65535u) + later), yaws);
+            uint _e60 = part;
+            uint age = (_e60 & 1u);
+            uint _e68 = asuint(flb_volumes.Load(((species + FLB_SPECIES_FACTOR) + age)*4));
+            float factor = asfloat(_e68);
+            float share = (factor * ((later == 1u) ? next : (1.0 - next)));
+            uint volume_2 = asuint(flb_volumes.Load((((species + FLB_SPECIES_VOLUMES) + (2u * yaw)) + age)*4));
+            if ((share != 0.0)) {
+                local = (volume_2 != 0u);
+            } else {
+                local = false;
+            }
+            bool _e92 = local;
+            if (_e92) {
+                float3 _e93 = light_2;
+                const float3 _e95 = flb_volume((forest + volume_2), point_m_1);
+                light_2 = (_e93 + (share * _e95));
+            }
+        }
+    }
+    float3 _e101 = light_2;
+    return _e101;
 }
 

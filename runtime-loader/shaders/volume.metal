@@ -21,6 +21,12 @@ constant uint FLB_VOLUME_COARSE_EDGE = 10u;
 constant uint FLB_VOLUME_LEAST = 11u;
 constant uint FLB_VOLUME_NO_BLOCK = 4294967295u;
 constant float FLB_VOLUME_COARSE_SITES = 16.0;
+constant uint FLB_FOREST_PLANTS = 1u;
+constant uint FLB_FOREST_MAX_PLANTS = 2u;
+constant uint FLB_SPECIES_FACTOR = 1u;
+constant uint FLB_SPECIES_REST = 3u;
+constant uint FLB_SPECIES_VOLUMES = 8u;
+constant uint FLB_PLANT = 2u;
 
 metal::float3 flb_volume_floats(
     uint at,
@@ -88,7 +94,7 @@ metal::float3 flb_volume_coarse(
     metal::float3 place = ((static_cast<metal::float3>(texel) + metal::float3(0.5)) / metal::float3(16.0)) - metal::float3(0.5);
     metal::float3 inside = metal::clamp(place, metal::float3(0.0), metal::float3(static_cast<float>(edge) - 1.0));
     metal::uint3 low = naga_f2u32(inside);
-    metal::float3 part = inside - static_cast<metal::float3>(low);
+    metal::float3 part_1 = inside - static_cast<metal::float3>(low);
     uint2 loop_bound = uint2(4294967295u);
     bool loop_init = true;
     while(true) {
@@ -108,7 +114,7 @@ metal::float3 flb_volume_coarse(
             uint _e41 = corner;
             metal::uint3 upper = (metal::uint3(_e41) >> metal::uint3(0u, 1u, 2u)) & metal::uint3(1u);
             metal::uint3 at_2 = metal::min(low + upper, metal::uint3(edge - 1u));
-            metal::float3 weights = metal::mix(metal::float3(1.0) - part, part, static_cast<metal::float3>(upper));
+            metal::float3 weights = metal::mix(metal::float3(1.0) - part_1, part_1, static_cast<metal::float3>(upper));
             metal::float3 _e71 = flb_volume_floats(first + (3u * ((((at_2.z * edge) + at_2.y) * edge) + at_2.x)), flb_volumes, _buffer_sizes);
             metal::float3 _e72 = light;
             light = _e72 + (((weights.x * weights.y) * weights.z) * _e71);
@@ -136,7 +142,7 @@ metal::float3 flb_volume(
     float last = static_cast<float>(lattice) - 1.0;
     metal::float3 place_1 = metal::clamp(from_middle + metal::float3(0.5 * last), metal::float3(0.0), metal::float3(last));
     metal::uint3 texel_1 = metal::min(naga_f2u32(place_1), metal::uint3(lattice - 2u));
-    metal::float3 part_1 = place_1 - static_cast<metal::float3>(texel_1);
+    metal::float3 part_2 = place_1 - static_cast<metal::float3>(texel_1);
     uint _e40 = flb_volumes[volume_1 + FLB_VOLUME_MAP];
     uint map_1 = volume_1 + _e40;
     uint _e46 = flb_volumes[volume_1 + FLB_VOLUME_RANGES];
@@ -166,7 +172,7 @@ metal::float3 flb_volume(
             uint _e69 = corner_1;
             metal::uint3 upper_1 = (metal::uint3(_e69) >> metal::uint3(0u, 1u, 2u)) & metal::uint3(1u);
             metal::uint3 at_3 = texel_1 + upper_1;
-            metal::float3 weights_1 = metal::mix(metal::float3(1.0) - part_1, part_1, static_cast<metal::float3>(upper_1));
+            metal::float3 weights_1 = metal::mix(metal::float3(1.0) - part_2, part_2, static_cast<metal::float3>(upper_1));
             float weight = (weights_1.x * weights_1.y) * weights_1.z;
             metal::uint3 its_block = at_3 >> metal::uint3(2u);
             metal::uint3 _e93 = block_1;
@@ -199,4 +205,77 @@ metal::float3 flb_volume(
     float least = as_type<float>(_e155);
     metal::float3 _e157 = light_1;
     return metal::max(_e157, metal::float3(least));
+}
+
+uint naga_mod(uint lhs, uint rhs) {
+    return lhs % metal::select(rhs, 1u, rhs == 0u);
+}
+
+metal::float3 flb_light(
+    uint forest,
+    uint plant,
+    metal::float3 point_m_1,
+    device type_2 const& flb_volumes,
+    constant _mslBufferSizes& _buffer_sizes
+) {
+    metal::float3 light_2 = {};
+    uint part = 0u;
+    bool local = {};
+    uint _e7 = flb_volumes[forest + FLB_FOREST_MAX_PLANTS];
+    if (plant >= _e7) {
+        return metal::float3(0.0);
+    }
+    uint _e15 = flb_volumes[forest + FLB_FOREST_PLANTS];
+    uint record = (forest + _e15) + (FLB_PLANT * plant);
+    uint _e22 = flb_volumes[record];
+    if (_e22 == 0u) {
+        return metal::float3(0.0);
+    }
+    uint _e29 = flb_volumes[record];
+    uint species = forest + _e29;
+    uint turn = flb_volumes[record + 1u];
+    uint yaws = flb_volumes[species];
+    float next = static_cast<float>(turn >> 16u) / 65536.0;
+    metal::float3 _e46 = flb_volume_floats(species + FLB_SPECIES_REST, flb_volumes, _buffer_sizes);
+    light_2 = _e46;
+    uint2 loop_bound_2 = uint2(4294967295u);
+    bool loop_init_2 = true;
+    while(true) {
+        if (metal::all(loop_bound_2 == uint2(0u))) { break; }
+        loop_bound_2 -= uint2(loop_bound_2.y == 0u, 1u);
+        if (!loop_init_2) {
+            uint _e98 = part;
+            part = _e98 + 1u;
+        }
+        loop_init_2 = false;
+        uint _e50 = part;
+        if (_e50 < 4u) {
+        } else {
+            break;
+        }
+        {
+            uint _e53 = part;
+            uint later = _e53 >> 1u;
+            uint yaw = naga_mod((turn & 65535u) + later, yaws);
+            uint _e60 = part;
+            uint age = _e60 & 1u;
+            uint _e68 = flb_volumes[(species + FLB_SPECIES_FACTOR) + age];
+            float factor = as_type<float>(_e68);
+            float share = factor * ((later == 1u) ? next : (1.0 - next));
+            uint volume_2 = flb_volumes[((species + FLB_SPECIES_VOLUMES) + (2u * yaw)) + age];
+            if (share != 0.0) {
+                local = volume_2 != 0u;
+            } else {
+                local = false;
+            }
+            bool _e92 = local;
+            if (_e92) {
+                metal::float3 _e93 = light_2;
+                metal::float3 _e95 = flb_volume(forest + volume_2, point_m_1, flb_volumes, _buffer_sizes);
+                light_2 = _e93 + (share * _e95);
+            }
+        }
+    }
+    metal::float3 _e101 = light_2;
+    return _e101;
 }

@@ -13,11 +13,13 @@
 //!
 //! A plant has light from the first frame on: the mean light of its species, which its file says before its first page.
 //! Between the yaws of [`ForestSettings::yaws`] light is blended. A plant that is tilted has the light of one that
-//! stands upright.
+//! stands upright. On a GPU, a [`ForestBuffer`] follows the snapshots.
 //!
 //! [`LightVolume`]: crate::light::LightVolume
 
+pub mod buffer;
 mod plants;
+mod room;
 mod snapshot;
 mod species;
 mod volumes;
@@ -32,11 +34,13 @@ use crate::sun_terms::unit;
 use crate::view::Camera;
 use crate::{Daylight, Library, Placement, RuntimeError};
 
+pub use buffer::{BufferSettings, Followed, ForestBuffer};
 pub use plants::PlantId;
 pub use snapshot::{Parts, Snapshot};
 pub use work::Work;
 
 use plants::{Plant, Plants};
+use room::{Wish, strides};
 use species::Lit;
 use work::{Done, Inbox};
 
@@ -48,6 +52,9 @@ const MAX_UNITS: usize = 64;
 pub struct ForestSettings {
     /// Budgets of memory and of requests of what is read; volumes are beside it.
     pub residency: ResidencySettings,
+    /// Most memory of volumes, with those that are faded out: where it is too little, fewer yaws have one each, and
+    /// then fewer species.
+    pub max_volume_bytes: u64,
     /// Yaws of which each species has a volume, from north clockwise; 1 or more. Plants at these yaws have its exact
     /// light, others a blend of two.
     pub yaws: u32,
@@ -60,10 +67,11 @@ pub struct ForestSettings {
 }
 
 impl Default for ForestSettings {
-    /// 32 MiB, 16 yaws, 1 degree, 48 and 600 frames.
+    /// 32 MiB, 256 MiB, 16 yaws, 1 degree, 48 and 600 frames.
     fn default() -> ForestSettings {
         ForestSettings {
             residency: ResidencySettings::default(),
+            max_volume_bytes: 256 << 20,
             yaws: 16,
             step_deg: 1.0,
             blend_frames: 48,
@@ -79,6 +87,8 @@ pub struct Report {
     pub loaded: usize,
     /// Units that were given up, each once.
     pub failures: Vec<Failure>,
+    /// Units that failed for the first time and will be asked for again: a file that was cut, a server that is down.
+    pub retries: Vec<Failure>,
     /// Memory that is lacking.
     pub lacks: Vec<Lack>,
     /// Share of what the frame could use of the file that is loaded, 0 to 1.
@@ -89,6 +99,10 @@ pub struct Report {
     pub loaded_bytes: usize,
     /// Memory of volumes, bytes.
     pub volume_bytes: usize,
+    /// Yaws of which volumes are kept: fewer than [`ForestSettings::yaws`] where there is no room for all.
+    pub yaws: u32,
+    /// Species that are seen and have their mean light, as there is no room for a volume.
+    pub species_left_out: u32,
     /// Whether all that is seen has the light of this daylight, whole, and nothing more would come.
     pub is_final: bool,
 }
@@ -215,12 +229,15 @@ impl Forest {
             work.push(Work::read(Arc::clone(self.stage.library()), self.stage.units(), job, &self.inbox));
         }
         let mut is_lit = true;
+        let pixels: Vec<f32> = need.species.iter().map(|species| species.pixels).collect();
+        for (lit, pixels) in self.species.iter_mut().zip(&pixels) {
+            lit.pass(*pixels > 0.0, &self.settings);
+        }
+        let strides = self.strides(&pixels);
         for (number, lit) in self.species.iter_mut().enumerate() {
-            let is_seen = need.species[number].pixels > 0.0;
-            lit.pass(is_seen, &self.settings);
-            if is_seen {
+            if let Some(stride) = strides[number] {
                 let resident = self.stage.resident();
-                let wanted = lit.wanted(resident.species(number), daylight, &self.settings);
+                let wanted = lit.wanted(resident.species(number), daylight, &self.settings, stride);
                 is_lit &= wanted.is_none() && lit.is_shown();
                 if let Some(wanted) = wanted.filter(|wanted| !wanted.turns.is_empty()) {
                     lit.is_awaited = true;
@@ -235,13 +252,48 @@ impl Forest {
         Report {
             loaded: frame.loaded.len(),
             failures: frame.failures,
+            retries: frame.retries,
             lacks: frame.lacks,
             quality: frame.quality,
             in_flight: self.in_flight,
             loaded_bytes: self.stage.resident().size_bytes(),
-            volume_bytes: self.species.iter().map(Lit::size_bytes).sum(),
+            volume_bytes: self.volume_bytes(),
+            yaws: self.settings.yaws.div_ceil(strides.iter().flatten().copied().max().unwrap_or(1)),
+            species_left_out: strides
+                .iter()
+                .zip(&pixels)
+                .filter(|(stride, pixels)| stride.is_none() && **pixels > 0.0)
+                .count() as u32,
             is_final: frame.is_final && is_lit,
         }
+    }
+
+    fn volume_bytes(&self) -> usize {
+        self.species.iter().map(Lit::size_bytes).sum()
+    }
+
+    /// Of each species that is seen, every how-manieth yaw has a volume; `None` of others, and where there is no room.
+    /// What is over drops at once.
+    fn strides(&mut self, pixels: &[f32]) -> Vec<Option<u32>> {
+        let seen: Vec<usize> = (0..pixels.len()).filter(|number| pixels[*number] > 0.0).collect();
+        let wish = |number: &usize| {
+            let (lit, resident) = (&self.species[*number], self.stage.resident().species(*number));
+            Wish { bytes: lit.volume_bytes(resident), yaws: lit.yaws(), pixels: pixels[*number] }
+        };
+        let wishes: Vec<Wish> = seen.iter().map(wish).collect();
+        let room = self.settings.max_volume_bytes;
+        let unseen = (0..pixels.len()).filter(|number| pixels[*number] <= 0.0);
+        let unseen_bytes: u64 = unseen.clone().map(|number| self.species[number].size_bytes() as u64).sum();
+        let found = strides(&wishes, self.settings.yaws, room);
+        if strides(&wishes, self.settings.yaws, room.saturating_sub(unseen_bytes)) != found {
+            unseen.for_each(|number| self.species[number].keep(None));
+        }
+        let mut all = vec![None; pixels.len()];
+        for (number, stride) in seen.into_iter().zip(found) {
+            self.species[number].keep(stride);
+            all[number] = stride;
+        }
+        all
     }
 
     /// The light as the last frame left it; any thread may ask it, however many frames go on meanwhile.

@@ -68,6 +68,7 @@ pub mod samplers {
 
 pub use error::RuntimeError;
 pub use flb_format::mesh::{MeshMark, MeshMatch};
+pub use flb_format::surface;
 pub use flb_format::{Daylight, Placement, Transform};
 pub use forest::Forest;
 pub use library::Library;

@@ -208,6 +208,13 @@ impl<'r> SpeciesLight<'r> {
         self.resident().near_sums()
     }
 
+    /// Sites that a sun is prepared for; 0 where the light needs no near beam.
+    pub fn near_sites(&self) -> usize {
+        let species = self.resident();
+        let sites = species.sites().filter(|_| species.suns().has_near_beam());
+        sites.map_or(0, |sites| sites.sites().len())
+    }
+
     /// The light of an uneven sky on a plant that stands where `world_from_model` says, for
     /// [`InstanceLight::with_sky`]. It is the same for all plants that are turned in the same way, and stays right
     /// while blocks come and go. It takes as long as some prepared suns ([`InstanceLight::prepared`]); for many plants

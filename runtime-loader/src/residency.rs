@@ -450,6 +450,11 @@ impl Residency {
         record.paused_until = self.frame + (PAUSE_FRAMES << record.failures.min(ATTEMPTS));
         record.is_given_up()
     }
+
+    /// Whether a unit has failed once since it was there last.
+    pub(crate) fn has_failed_once(&self, unit: UnitId) -> bool {
+        self.records[unit.index()].failures == 1
+    }
 }
 
 /// The set that a frame would have loaded: within the budget, and nothing without what it stands on.

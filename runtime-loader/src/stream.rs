@@ -7,8 +7,8 @@
 //! ```
 //!
 //! A frame never waits for a file. Its own work is bounded by [`StreamSettings::frame_time`]: what came beyond that
-//! waits for the next one. A failure is tried again after a pause and reported once, when it is given up; everything
-//! else goes on.
+//! waits for the next one. A failure is told at once, tried again after pauses, and told once more when it is given up;
+//! everything else goes on.
 
 mod job;
 mod pool;
@@ -56,12 +56,12 @@ impl Default for StreamSettings {
     }
 }
 
-/// A unit that was given up.
+/// A unit that failed.
 #[derive(Debug)]
 pub struct Failure {
     /// Unit that failed.
     pub unit: UnitId,
-    /// Last error of the unit.
+    /// Error of the unit, the last one where it is given up.
     pub error: FormatError,
 }
 
@@ -76,6 +76,9 @@ pub struct Frame {
     pub loaded: Vec<UnitId>,
     /// Units that were given up, each once.
     pub failures: Vec<Failure>,
+    /// Units that failed for the first time and will be asked for again: trouble is known here at once, and given up
+    /// seconds later.
+    pub retries: Vec<Failure>,
     /// Share of the frame's worth that is loaded, as [`LoadPlan::quality`](crate::residency::LoadPlan::quality).
     pub quality: f32,
     /// Whether nothing stands in for light, as [`LoadPlan::is_complete`](crate::residency::LoadPlan::is_complete).
@@ -216,6 +219,8 @@ impl Stage {
         let lasting = is_replaced(&error) || !matches!(error, FormatError::Read { .. });
         if self.residency.failed(unit, lasting) {
             frame.failures.push(Failure { unit, error });
+        } else if self.residency.has_failed_once(unit) {
+            frame.retries.push(Failure { unit, error });
         }
     }
 }

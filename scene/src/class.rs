@@ -1,5 +1,7 @@
 //! What a material's triangles are to the light.
 
+use flb_format::surface::SurfacePart;
+
 /// The class of a material.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub enum MaterialClass {
@@ -25,5 +27,15 @@ impl MaterialClass {
     pub fn of_name(name: &str) -> Option<MaterialClass> {
         let classes = [MaterialClass::Leaf, MaterialClass::Wood, MaterialClass::Neither];
         classes.into_iter().find(|class| class.name() == name)
+    }
+}
+
+impl From<MaterialClass> for SurfacePart {
+    fn from(class: MaterialClass) -> SurfacePart {
+        match class {
+            MaterialClass::Leaf => SurfacePart::Leaf,
+            MaterialClass::Wood => SurfacePart::Wood,
+            MaterialClass::Neither => SurfacePart::Other,
+        }
     }
 }

@@ -8,7 +8,7 @@
 //!
 //! ```text
 //! ClassedMesh, Surfaces, ColorRules -resolve-> Colors: a surface per material, the mean of leaf and of wood
-//! Material, texel -Law-> reflectance and transmittance
+//! Material -law-> Law (flb_format::surface); texel -Law-> reflectance and transmittance
 //! ```
 
 mod evidence;
@@ -21,7 +21,7 @@ mod tests;
 pub mod words;
 
 pub use evidence::{Evidence, MAX_APART, apart};
-pub use law::{BLACK, Law, ROUNDING, Shares};
+pub use law::law;
 pub use points::{mean_colors, on_surface};
 pub use resolve::{Colors, MaterialColor, MeanShares, resolve};
 pub use rules::{ColorRule, ColorRules, ColorSource, SurfaceSet};

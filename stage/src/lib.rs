@@ -70,6 +70,7 @@ mod show;
 mod sky;
 mod stage;
 pub mod stream;
+mod suns;
 
 pub use backend::Backend;
 pub use error::StageError;

@@ -14,7 +14,7 @@ use crate::frames::subject;
 use crate::neighbours::Neighbours;
 use crate::parts::Part;
 use crate::show::Shows;
-use crate::{Backend, SceneFrame, SceneLook, SceneShow, Stage, StageError, light};
+use crate::{Backend, SceneFrame, SceneLook, SceneShow, Stage, StageError, light, suns};
 
 /// Makes frames of a stage in the light of whole files.
 pub struct SceneRenderer<'s> {
@@ -180,6 +180,8 @@ impl<'s> SceneRenderer<'s> {
         let find = |dome| Step::Sky.run(observer, &subject, |_| light::skies(beams, placements, dome));
         let skies = lighting.dome.as_ref().map(find).transpose()?;
         let lit = light::of_plants(light, skies.as_ref(), placements, lighting, shade, view.samples)?;
+        let points = fragments.on_plants(placements.len());
+        let lit = Step::Prepare.run(observer, &subject, |_| suns::prepare(light, placements, lit, &points));
         let cursors = LightCursors::new(&lit);
         let light = |LightQuery { instance, point, facing }: LightQuery, phi: &mut [f32; 3]| {
             cursors.at_facing(instance as usize, point, facing, phi);

@@ -9,7 +9,8 @@
 //! 2,000 plants, turned freely and at 8 yaws; a camera that turns and a sun that moves over 300 frames; 8 points of
 //! each of 819 plants a frame. One thread does the engine's frames and points, two do the work that frames hand out.
 //! *rms* is against suns that are prepared by themselves. Beside it, the same points as an engine without a forest asks
-//! them: `SpeciesLight::lit_by` for each plant, and marches.
+//! them: `SpeciesLight::lit_by` for each plant, and marches. Last 100,000 plants, 100 of which move each frame, whose
+//! light follows into a buffer of a GPU (here memory): frame and buffer apart, and the bytes that are written.
 
 use std::hint::black_box;
 use std::sync::mpsc::{Receiver, Sender, channel};
@@ -18,7 +19,7 @@ use std::thread;
 use std::time::Instant;
 
 use flb_format::sun::towards_sun;
-use flb_runtime::forest::{Forest, ForestSettings, PlantId, Work};
+use flb_runtime::forest::{BufferSettings, Forest, ForestBuffer, ForestSettings, PlantId, Work};
 use flb_runtime::view::Camera;
 use flb_runtime::{Daylight, Library, Placement, SpeciesLight, Transform};
 use flb_tests::benched::{Benched, benched};
@@ -28,6 +29,8 @@ const FRAMES: usize = 300;
 /// Plants that a frame asks points of, and points of each.
 const ASKED: usize = 819;
 const POINTS: usize = 8;
+/// Plants of a buffer that move each frame.
+const MOVED: usize = 100;
 /// Metres between plants.
 const APART_M: f64 = 6.0;
 /// Time of a frame of the engine beside this, so that work has time to be done: 60 frames a second.
@@ -51,8 +54,8 @@ fn camera(frame: usize) -> Camera {
     }
 }
 
-fn plants(yaws: Option<u32>) -> Vec<Placement> {
-    let edge = (PLANTS as f64).sqrt();
+fn plants(count: usize, yaws: Option<u32>) -> Vec<Placement> {
+    let edge = (count as f64).sqrt();
     let stands = |number: usize| {
         let number = number as f64;
         let (x, z) =
@@ -60,7 +63,7 @@ fn plants(yaws: Option<u32>) -> Vec<Placement> {
         let yaw_deg = yaws.map_or(137.508 * number, |yaws| 360.0 * number / f64::from(yaws)) % 360.0;
         Placement { species: 0, transform: Transform::from_yaw([x, 0.0, z], yaw_deg, 1.0) }
     };
-    (0..PLANTS).map(stands).collect()
+    (0..count).map(stands).collect()
 }
 
 fn worker(queue: Arc<Mutex<Receiver<Work>>>) {
@@ -70,6 +73,24 @@ fn worker(queue: Arc<Mutex<Receiver<Work>>>) {
             Ok(work) => work.run(),
             Err(_) => return,
         }
+    }
+}
+
+/// Two threads that do what comes.
+fn two_workers() -> (Sender<Work>, [thread::JoinHandle<()>; 2]) {
+    let (sender, queue) = channel();
+    let queue = Arc::new(Mutex::new(queue));
+    let workers = [0, 1].map(|_| {
+        let queue = Arc::clone(&queue);
+        thread::spawn(move || worker(queue))
+    });
+    (sender, workers)
+}
+
+fn wait_for_the_next(begin: Instant) {
+    let left = FRAME_S - begin.elapsed().as_secs_f64();
+    if left > 0.0 {
+        thread::sleep(std::time::Duration::from_secs_f64(left));
     }
 }
 
@@ -104,19 +125,10 @@ fn error(forest: &mut Forest, ids: &[PlantId], plants: &[Placement], points: &[[
 
 fn by_forest(library: &Arc<Library>, points: &[[f32; 3]], yaws: u32, free: bool) {
     let settings = ForestSettings { yaws, ..ForestSettings::default() };
-    let plants = plants((!free).then_some(yaws));
+    let plants = plants(PLANTS, (!free).then_some(yaws));
     let mut forest = Forest::new(Arc::clone(library), settings).expect("coded near geometry");
     let ids: Vec<PlantId> = plants.iter().map(|plant| forest.add(plant).expect("a species")).collect();
-    let (sender, queue): (Sender<Work>, Receiver<Work>) = channel();
-    let queue = Arc::new(Mutex::new(queue));
-    let workers: Vec<_> = (0..2)
-        .map(|_| {
-            thread::spawn({
-                let queue = Arc::clone(&queue);
-                move || worker(queue)
-            })
-        })
-        .collect();
+    let (sender, workers) = two_workers();
     let (mut frames, mut samples, mut lit, mut bytes) = (Vec::new(), Vec::new(), None, 0);
     let mut rgb = [0.0; 3];
     for frame in 0..FRAMES {
@@ -137,10 +149,7 @@ fn by_forest(library: &Arc<Library>, points: &[[f32; 3]], yaws: u32, free: bool)
             lit.get_or_insert(frame);
         }
         bytes = bytes.max(report.volume_bytes);
-        let left = FRAME_S - begin.elapsed().as_secs_f64();
-        if left > 0.0 {
-            thread::sleep(std::time::Duration::from_secs_f64(left));
-        }
+        wait_for_the_next(begin);
     }
     drop(sender);
     workers.into_iter().for_each(|worker| worker.join().expect("no panic"));
@@ -157,9 +166,48 @@ fn by_forest(library: &Arc<Library>, points: &[[f32; 3]], yaws: u32, free: bool)
     );
 }
 
+fn in_a_buffer(library: &Arc<Library>, count: usize) {
+    let settings = ForestSettings { yaws: 8, ..ForestSettings::default() };
+    let mut plants = plants(count, None);
+    let mut forest = Forest::new(Arc::clone(library), settings).expect("coded near geometry");
+    let ids: Vec<PlantId> = plants.iter().map(|plant| forest.add(plant).expect("a species")).collect();
+    let sizes = BufferSettings { bytes: 128 << 20, max_plants: count as u32, ..BufferSettings::default() };
+    let mut buffer = ForestBuffer::new(sizes);
+    let mut memory = vec![0_u32; sizes.bytes as usize / 4];
+    let (sender, workers) = two_workers();
+    let [mut frames, mut follows, mut written] = [(); 3].map(|()| Vec::new());
+    for frame in 0..FRAMES {
+        for moved in 0..MOVED {
+            let at = (frame * MOVED + moved) * 37 % count;
+            plants[at].transform.position_m[0] += 0.1;
+            plants[at].transform = Transform::from_yaw(plants[at].transform.position_m, moved as f64, 1.0);
+            forest.set(ids[at], &plants[at]).expect("a species");
+        }
+        let begin = Instant::now();
+        forest.frame(&camera(frame), &day(frame), |work| sender.send(work).expect("workers"));
+        frames.push(1e3 * begin.elapsed().as_secs_f64());
+        let follow = Instant::now();
+        let followed = buffer.follow(&forest.snapshot(), |offset_bytes, words| {
+            let first = offset_bytes as usize / 4;
+            memory[first..first + words.len()].copy_from_slice(words);
+        });
+        follows.push(1e3 * follow.elapsed().as_secs_f64());
+        written.push(followed.written_bytes as f64 / 1e3);
+        assert_eq!((followed.lacking_bytes, followed.plants_left_out), (0, 0));
+        wait_for_the_next(begin);
+    }
+    drop(sender);
+    workers.into_iter().for_each(|worker| worker.join().expect("no panic"));
+    // The first frame writes all plants.
+    let first = (frames.remove(0), follows.remove(0), written.remove(0));
+    black_box((first, &memory));
+    let [frames, follows, written] = [frames, follows, written].map(median_and_worst);
+    println!("| {count} | {frames} | {follows} | {written} |");
+}
+
 fn by_marches(library: &Library, points: &[[f32; 3]]) {
     let species = SpeciesLight::load(library, 0).expect("a sound file");
-    let plants = plants(None);
+    let plants = plants(PLANTS, None);
     let (mut samples, mut rgb) = (Vec::new(), [0.0; 3]);
     for frame in 0..FRAMES / 30 {
         let day = day(30 * frame);
@@ -191,4 +239,7 @@ fn main() {
     by_forest(&library, &points, 16, true);
     by_forest(&library, &points, 32, true);
     by_marches(&library, &points);
+    println!("\n| plants | frame: median | worst | buffer: median | worst | KB a frame: median | worst |");
+    println!("|---|---:|---:|---:|---:|---:|---:|");
+    [2_000, 10_000, 100_000].into_iter().for_each(|count| in_a_buffer(&library, count));
 }

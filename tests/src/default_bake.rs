@@ -62,10 +62,17 @@ impl DefaultBake {
     /// # Panics
     /// If a stage fails.
     pub fn with(plant: Plant, settings: &BakeSettings) -> DefaultBake {
+        DefaultBake::coded(plant, settings, &EncodeSettings::default())
+    }
+
+    /// Bakes and codes with other settings.
+    ///
+    /// # Panics
+    /// If a stage fails.
+    pub fn coded(plant: Plant, settings: &BakeSettings, coding: &EncodeSettings) -> DefaultBake {
         let mesh = plant.classed.clone();
         let baked = bake(plant, settings, &NoStore, &Unobserved).expect("a good plant");
-        let encoded =
-            encode_species(&baked.fields, &EncodeSettings::default(), &|_| Ok(())).expect("good fields");
+        let encoded = encode_species(&baked.fields, coding, &|_| Ok(())).expect("good fields");
         let file = write(&encoded);
         DefaultBake { mesh, baked, encoded, file }
     }

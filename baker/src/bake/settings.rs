@@ -1,9 +1,9 @@
 //! How to bake: by one word, or setting by setting.
 
-use flb_format::Quality;
 use flb_format::bases::BaseSet;
 use flb_format::light::{FieldKind, Light, LightError, SunBasis};
 use flb_format::sample::SOLID_OFFSET;
+use flb_format::{Purpose, Quality};
 use flb_scene::PlantReader;
 use flb_scene::extents::Walls;
 use flb_transport::lattice::{DEFAULT_MAX_SWEEPS, SolveSettings, SolverKind, Steps};
@@ -233,6 +233,16 @@ impl BakeSettings {
             ignore_alpha: quality == Quality::Papers,
             wanted: Wanted::default(),
             model: ModelSettings::of(quality),
+        }
+    }
+
+    /// Settings of a purpose: those of its quality, on the lattice that `docs/measurements/uses.md` finds for it. Its
+    /// coding is that of [`Purpose::quality`].
+    pub fn of_purpose(purpose: Purpose) -> BakeSettings {
+        let quality = BakeSettings::of(purpose.quality());
+        match purpose {
+            Purpose::Games => BakeSettings { lattice: 64, ..quality },
+            Purpose::Stills | Purpose::Film => quality,
         }
     }
 }

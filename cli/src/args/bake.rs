@@ -10,7 +10,7 @@ use flb_stage::backend::GpuCount;
 use super::gpu_count::gpu_count;
 use super::values::{cache_place, existing};
 use super::{CodingArgs, MeshArgs, ModelArgs};
-use flb_format::Quality;
+use flb_format::{Purpose, Quality};
 
 #[derive(Args)]
 pub(crate) struct BakeArgs {
@@ -29,6 +29,9 @@ pub(crate) struct BakeArgs {
     // The help comes from the table of presets.
     #[arg(long, value_enum, value_name = "PRESET", help = super::preset::help())]
     pub quality: Option<Quality>,
+    // As above.
+    #[arg(long = "for", value_enum, value_name = "PURPOSE", conflicts_with = "quality", help = super::preset::purposes())]
+    pub purpose: Option<Purpose>,
     /// Sites along each edge of the lattice: a power of two, 16 to 256 [default: the plan's, else the preset's];
     /// refused where the plan chooses one
     #[arg(long, value_name = "N")]

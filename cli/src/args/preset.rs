@@ -1,7 +1,7 @@
 //! What `--quality` stands for on the command line: a word, and in `--help` every flag that it sets.
 
 use flb_baker::bake::{BakeSettings, PaperSettings, PhysicalSettings};
-use flb_format::Quality;
+use flb_format::{Purpose, Quality};
 use flb_packer::CodingPreset;
 use flb_scene::extents::Walls;
 use flb_transport::lattice::Steps;
@@ -86,6 +86,16 @@ pub(super) fn help() -> String {
         );
     }
     text + &papers() + " [default: standard]"
+}
+
+/// What `--help` says of `--for`: every purpose as the flags that it stands for.
+pub(super) fn purposes() -> String {
+    let of = |purpose: Purpose| {
+        let BakeSettings { lattice, .. } = BakeSettings::of_purpose(purpose);
+        format!("{purpose}: --quality {} --lattice {lattice}", purpose.quality())
+    };
+    let all: Vec<String> = Purpose::ALL.into_iter().map(of).collect();
+    format!("What the file is for, in place of --quality. {}", all.join("; "))
 }
 
 #[cfg(test)]

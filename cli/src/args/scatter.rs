@@ -35,6 +35,10 @@ pub(crate) struct ScatterArgs {
     /// Sizes of the plants, each drawn between these
     #[arg(long, default_value = "0.8..1.2", value_name = "LOW..HIGH", value_parser = range)]
     pub scale: [f64; 2],
+    /// Turn every plant by one of N yaws, north the first, clockwise: 8 or 16 let an engine keep the whole light of a
+    /// species in as many volumes [default: any yaw]
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=3600))]
+    pub yaws: Option<u32>,
     /// Another seed, another stand
     #[arg(long, default_value_t = 1, value_name = "N")]
     pub seed: u64,

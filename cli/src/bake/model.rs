@@ -39,6 +39,7 @@ pub(crate) fn recipe(args: &BakeArgs) -> Recipe {
         field,
         leaf_angles,
         monte_carlo: Some(monte_carlo),
+        purpose: args.purpose,
         ..args.coding.recipe(args.quality)
     }
 }

@@ -28,6 +28,8 @@ fn usage_is_2() {
         &["bake", "leaf-card.glb", "-o", "x.flb", "--lattice", "32", "--tolerance", "2"],
         &["bake", "leaf-card.glb", "-o", "x.flb", "--threshold", "nan"],
         &["bake", "leaf-card.glb", "-o", "x.flb", "--quality", "best"],
+        &["bake", "leaf-card.glb", "-o", "x.flb", "--for", "radio"],
+        &["bake", "leaf-card.glb", "-o", "x.flb", "--for", "games", "--quality", "fine"],
         &["pack", "card.flb", "-o", "x.flb", "--threshold", "1", "--quality", "fine"],
         &["bake", "leaf-card.glb", "-o", "x.flb", "--unit", "-1"],
         &["bake", "leaf-card.glb", "-o", "x.flb", "--keep-fields", "x.flb"],

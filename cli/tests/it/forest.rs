@@ -47,6 +47,29 @@ fn a_stand_is_scattered_the_same_every_time_and_can_be_planned() {
 }
 
 #[test]
+fn with_yaws_each_plant_is_turned_by_one_of_them() {
+    let folder = Folder::with_plants(&["shrub"]);
+    let words = ["scatter", "--species", "shrub=shrub.glb", "--count", "200", "--area", "60,60"];
+    let yaws = |yaws: &str, name: &str| -> Vec<f64> {
+        folder.flb_with(&words, &["--yaws", yaws, "-o", name]).expect_code(0);
+        let text = String::from_utf8(folder.read(name)).expect("TOML is text");
+        let all = text.lines().filter_map(|line| line.strip_prefix("yaw_deg = "));
+        all.map(|yaw| yaw.parse().expect("a number")).collect()
+    };
+    for (count, name) in [(8, "eight.toml"), (7, "seven.toml")] {
+        let mut plants = vec![0; count];
+        for yaw in yaws(&count.to_string(), name) {
+            let turn = yaw * count as f64 / 360.0;
+            assert!((turn - turn.round()).abs() < 1e-5, "{yaw}");
+            plants[turn.round() as usize] += 1;
+        }
+        assert!(plants.iter().all(|plants| (10..50).contains(plants)), "{plants:?}");
+    }
+    assert!(yaws("1", "one.toml").iter().all(|yaw| *yaw == 0.0));
+    assert_eq!(folder.flb_with(&words, &["--yaws", "0", "-o", "none.toml"]).code, 2);
+}
+
+#[test]
 fn plants_stand_on_the_height_map_and_where_the_density_map_is_bright() {
     let folder = Folder::with_plants(&["shrub"]);
     let grey = |name: &str, values: [u8; 4]| {

@@ -105,7 +105,8 @@ impl MeshRow {
         format!("{:+.1} ({})", self.bias_percent, self.furthest)
     }
 
-    fn of(judged: &MeshJudgement) -> Option<MeshRow> {
+    /// The error of light that was judged; `None` where no light falls on the mesh in truth.
+    pub fn of(judged: &MeshJudgement) -> Option<MeshRow> {
         let classes = [("leaves", &judged.leaf), ("wood", &judged.wood)];
         let (mut squares, mut area, mut furthest) = (0.0, 0.0, None::<(f64, String)>);
         let mean = |bands: [f64; 3]| bands.iter().sum::<f64>() / 3.0;

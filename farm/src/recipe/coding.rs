@@ -39,6 +39,7 @@ impl Recipe {
     /// # Errors
     /// A setting out of its range, or of another codec.
     pub fn encode_settings(&self) -> Result<EncodeSettings, RecipeError> {
+        self.check_preset()?;
         let codec = self.codec();
         let preset = EncodeSettings::of(self.quality(), codec);
         let refuse = |text: String| Err(RecipeError::new(text));

@@ -60,7 +60,8 @@ impl Recipe {
     /// # Errors
     /// A setting out of its range, or of the other model.
     pub fn bake_settings(&self, machine: Machine) -> Result<BakeSettings, RecipeError> {
-        let preset = BakeSettings::of(self.quality());
+        self.check_preset()?;
+        let preset = self.purpose.map_or_else(|| BakeSettings::of(self.quality()), BakeSettings::of_purpose);
         let voxels = self.voxels.unwrap_or(preset.voxels);
         let lattice = self.lattice.unwrap_or(preset.lattice);
         check_lattice(lattice)?;

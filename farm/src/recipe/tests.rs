@@ -1,5 +1,5 @@
 use flb_baker::bake::BakeSettings;
-use flb_format::Quality;
+use flb_format::{Purpose, Quality};
 use flb_packer::EncodeSettings;
 
 use super::*;
@@ -17,6 +17,25 @@ fn an_empty_recipe_is_the_default_bake() {
         let recipe = Recipe { quality: Some(quality), ..Recipe::default() };
         assert_eq!(recipe.bake_settings(Machine::Cpu), Ok(BakeSettings::of(quality)), "{quality}");
     }
+}
+
+#[test]
+fn a_purpose_stands_for_a_quality_and_a_lattice_that_other_words_change() {
+    let lattice = |text: &str| recipe(text).bake_settings(Machine::Cpu).expect(text).lattice;
+    for purpose in Purpose::ALL {
+        let recipe = Recipe { purpose: Some(purpose), ..Recipe::default() };
+        assert_eq!(recipe.bake_settings(Machine::Cpu), Ok(BakeSettings::of_purpose(purpose)), "{purpose}");
+        let coding = EncodeSettings::of(purpose.quality(), recipe.codec());
+        assert_eq!(recipe.encode_settings(), Ok(coding), "{purpose}");
+    }
+    assert_eq!((lattice("for = 'games'"), lattice("for = 'games'\nlattice = 32")), (64, 32));
+    assert_eq!(recipe("for = 'stills'").bake_settings(Machine::Cpu), Ok(BakeSettings::default()));
+    // A species' own word goes before that of its library, whichever of the two it is.
+    let (games, fine) = (recipe("for = 'games'"), recipe("quality = 'fine'"));
+    assert_eq!((fine.over(&games), games.over(&fine)), (fine.clone(), games.clone()));
+    assert_eq!(recipe("lattice = 32").over(&games).purpose, Some(Purpose::Games));
+    let unknown = toml::from_str::<Recipe>("for = 'game'").expect_err("no such purpose").to_string();
+    assert!(unknown.contains("found \"game\", expected one of games, stills, film"), "{unknown}");
 }
 
 #[test]
@@ -50,6 +69,7 @@ fn settings_that_cannot_be_are_refused_by_their_names() {
             "steps with tolerance, which goes until the tolerance is met",
         ),
         ("model = 'physical'\nquality = 'papers'", "quality = \"papers\" is of the papers' model"),
+        ("for = 'film'\nquality = 'draft'", "quality = \"draft\" with for = \"film\": expected one of them"),
         ("monte_carlo = 23", "monte_carlo is 23, expected 0 to 22"),
         ("threshold = 0.1\ncodec = 'haar'", "threshold is for codec = \"haar-paper\", not for haar"),
         ("threshold = -1.0", "threshold is -1, expected a number from 0 up"),

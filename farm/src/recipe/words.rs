@@ -44,7 +44,7 @@ macro_rules! words {
 
 use flb_baker::crown::LeafAngleChoice;
 use flb_format::light::FieldKind;
-use flb_format::{Codec, Quality};
+use flb_format::{Codec, Purpose, Quality};
 use flb_transport::ordinates::NamedSuns;
 
 const QUALITIES: [Quality; 5] =
@@ -58,6 +58,7 @@ const LEAF_ANGLES: [LeafAngleChoice; 4] = [
 ];
 
 words!(quality, Quality, QUALITIES, Quality::name);
+words!(purpose, Purpose, Purpose::ALL, Purpose::name);
 words!(model, ModelName, ModelName::ALL, ModelName::name);
 words!(solver, SolverName, SolverName::ALL, SolverName::name);
 words!(suns, NamedSuns, NamedSuns::ALL, NamedSuns::name);

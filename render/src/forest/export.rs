@@ -4,7 +4,7 @@
 pub mod grids;
 
 use flb_format::Placement;
-use flb_scene::color::{self, Law};
+use flb_format::surface::Law;
 use flb_scene::texture::SrgbTable;
 use flb_scene::{MaterialClass, Mesh, alpha::Coverage, waves::WaveField};
 use obvhs::bvh2::Bvh2;
@@ -17,7 +17,7 @@ use crate::{
 };
 
 /// Mean colour up to which a material counts as black, so that its surface is the mean one.
-pub const BLACK: f32 = color::BLACK.x;
+pub const BLACK: f32 = flb_format::surface::BLACK;
 /// Brightness of plants that hide the sky from the ground, as a share of the sky's.
 pub const LEAVES_BEFORE_SKY: f32 = super::fragments::LEAVES_BEFORE_SKY;
 /// Refractive index of water.

@@ -231,6 +231,18 @@ impl Fragments {
         counts
     }
 
+    /// Rays that meet each of so many plants, by way of the water, too.
+    pub fn on_plants(&self, plants: usize) -> Vec<u32> {
+        let mut counts = vec![0_u32; plants];
+        for fragment in self.squares.iter().flat_map(|square| square.fragments.iter().chain(&square.mirrored))
+        {
+            if let Fragment::Plant { instance, .. } = fragment {
+                counts[*instance as usize] += 1;
+            }
+        }
+        counts
+    }
+
     /// Memory that they take.
     pub fn size_bytes(&self) -> usize {
         let of = |square: &Square| size_of_val(&square.fragments[..]) + size_of_val(&square.mirrored[..]);

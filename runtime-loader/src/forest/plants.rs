@@ -7,7 +7,7 @@ use crate::Placement;
 /// A plant of a forest. The identity of one that was taken away is of no other plant.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub struct PlantId {
-    slot: u32,
+    pub(super) slot: u32,
     generation: u32,
 }
 
@@ -104,6 +104,11 @@ impl Plants {
 }
 
 impl Plant {
+    /// Whether it is no empty slot.
+    pub(super) fn is_there(&self) -> bool {
+        self.index != GONE
+    }
+
     fn stand(&mut self, index: u32, plant: &Placement, yaws: u32) {
         let (species, turn) = (plant.species as u32, Turn::of(plant.transform.yaw_deg(), yaws));
         *self = Plant { generation: self.generation, index, species, turn };
@@ -112,5 +117,5 @@ impl Plant {
 
 /// A plant that is there.
 pub(super) fn find(slots: &[Plant], id: PlantId) -> Option<&Plant> {
-    slots.get(id.slot as usize).filter(|plant| plant.generation == id.generation && plant.index != GONE)
+    slots.get(id.slot as usize).filter(|plant| plant.generation == id.generation && plant.is_there())
 }

@@ -32,6 +32,7 @@ pub(super) struct Shown {
     pub share: f32,
     /// In the place of what is not there.
     pub mean: Vec<f32>,
+    pub yaws: u32,
 }
 
 impl Snapshot {
@@ -71,16 +72,32 @@ impl Snapshot {
 }
 
 impl Shown {
+    /// Volumes with their factors.
+    pub(super) fn both(&self) -> [(Option<&Volumes>, f32); 2] {
+        let of =
+            |light: &'_ Option<(Arc<Volumes>, f32)>, share| light.as_ref().map(|(_, scale)| scale * share);
+        let before = if self.share < 1.0 { &self.before } else { &None };
+        let now = (self.now.as_ref().map(|(now, _)| &**now), of(&self.now, self.share).unwrap_or_default());
+        let factor = of(before, 1.0 - self.share).unwrap_or_default();
+        [now, (before.as_ref().map(|(before, _)| &**before), factor)]
+    }
+
+    /// Share of the mean light beside the volumes.
+    pub(super) fn rest(&self) -> f32 {
+        match (&self.now, &self.before) {
+            (None, _) => 1.0,
+            (Some(_), Some(_)) => 0.0,
+            (Some(_), None) => 1.0 - self.share,
+        }
+    }
+
     /// Tells the volumes of a plant with their factors; the share of the mean light beside them.
     fn tell<'s>(&'s self, plant: &Plant, mut tell: impl FnMut(&'s Arc<LightVolume>, f32)) -> f32 {
-        let Some((now, scale)) = &self.now else { return 1.0 };
-        now.tell(plant, scale * self.share, &mut tell);
-        match &self.before {
-            Some((before, scale)) if self.share < 1.0 => {
-                before.tell(plant, scale * (1.0 - self.share), tell);
-                0.0
+        for (light, factor) in self.both() {
+            if let Some(light) = light {
+                light.tell(plant, factor, &mut tell);
             }
-            _ => 1.0 - self.share,
         }
+        self.rest()
     }
 }

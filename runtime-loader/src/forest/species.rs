@@ -1,9 +1,11 @@
 //! The volumes of one species: which are wanted, and which are shown.
 
+use std::collections::BTreeSet;
 use std::sync::Arc;
 
 use super::ForestSettings;
 use super::plants::Turn;
+use super::room::kept;
 use super::snapshot::Shown;
 use super::volumes::{Made, Volumes, Wanted, lit_at};
 use crate::light::LightVolume;
@@ -39,6 +41,25 @@ impl Lit {
         }
     }
 
+    /// Yaws that plants ask for.
+    pub(super) fn yaws(&self) -> u32 {
+        self.used.iter().filter(|used| **used > 0).count() as u32
+    }
+
+    /// Memory of one of its volumes, as far as is known.
+    pub(super) fn volume_bytes(&self, species: &ResidentSpecies) -> u64 {
+        species.shared().map_or(0, |shared| LightVolume::bytes_of(&shared.map, species.bands())) as u64
+    }
+
+    /// Drops volumes but for those of every so manieth yaw, or all of them.
+    pub(super) fn keep(&mut self, stride: Option<u32>) {
+        for volumes in [&mut self.now, &mut self.before] {
+            if let Some(all) = volumes.take() {
+                *volumes = stride.and_then(|stride| Volumes::kept(all, stride));
+            }
+        }
+    }
+
     /// A frame passes.
     pub(super) fn pass(&mut self, is_seen: bool, settings: &ForestSettings) {
         self.age = self.age.saturating_add(1).min(settings.blend_frames);
@@ -58,6 +79,7 @@ impl Lit {
         species: &ResidentSpecies,
         day: &Daylight,
         settings: &ForestSettings,
+        stride: u32,
     ) -> Option<Wanted> {
         if day.sun == 0.0 && day.sky == 0.0 {
             // Of no light at all nothing could be shown that is brighter later.
@@ -65,8 +87,10 @@ impl Lit {
         }
         let now = self.now.as_ref().filter(|now| now.fits(day, settings.step_deg));
         // Those that can be made, and whether they would be better than what is there.
-        let used = (0..).zip(&self.used).filter(|(_, used)| **used > 0).map(|(turn, _)| turn);
-        let turns: Vec<u32> = used
+        let used = (0..).zip(&self.used).filter(|(_, used)| **used > 0);
+        let asked: BTreeSet<u32> = used.map(|(turn, _)| kept(turn, settings.yaws, stride)).collect();
+        let turns: Vec<u32> = asked
+            .into_iter()
             .filter(|turn| {
                 let level = lit_at(species, day, *turn, settings.yaws).level();
                 level >= LightLevel::Averages && now.is_none_or(|now| now.level(*turn) < Some(level))
@@ -107,14 +131,18 @@ impl Lit {
         all.iter().map(|volume| volume.size_bytes()).sum()
     }
 
-    /// What a snapshot shows of it. Of `outside` nothing is loaded: it has the mean light, where that counts.
+    /// What a snapshot shows of it. Of `outside` nothing is loaded: it has the mean light.
     pub(super) fn shown(&self, outside: &ResidentSpecies, day: &Daylight) -> Shown {
         let share = f32::from(self.age) / f32::from(self.blend_frames);
         let mut mean = vec![0.0; outside.bands()];
-        if self.now.is_none() || (self.before.is_none() && share < 1.0) {
-            InstanceLight::new(outside, day).at([0.0; 3], &mut mean);
-        }
+        InstanceLight::new(outside, day).at([0.0; 3], &mut mean);
         let scaled = |volumes: &Arc<Volumes>| (Arc::clone(volumes), volumes.scale(day));
-        Shown { now: self.now.as_ref().map(scaled), before: self.before.as_ref().map(scaled), share, mean }
+        Shown {
+            now: self.now.as_ref().map(scaled),
+            before: self.before.as_ref().map(scaled),
+            share,
+            mean,
+            yaws: self.used.len() as u32,
+        }
     }
 }

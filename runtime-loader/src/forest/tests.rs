@@ -12,15 +12,15 @@ const DAY: Daylight = Daylight { towards_sun: [0.6, 0.5, -0.62], sun: 1.2, sky: 
 /// Most frames until all is there.
 const PATIENCE: usize = 400;
 
-fn forest(settings: ForestSettings) -> Forest {
+pub(super) fn forest(settings: ForestSettings) -> Forest {
     Forest::new(library_of_three(Codec::Classed), settings).expect("coded near geometry")
 }
 
-fn quick() -> ForestSettings {
+pub(super) fn quick() -> ForestSettings {
     ForestSettings { yaws: 8, blend_frames: 4, ..ForestSettings::default() }
 }
 
-fn camera() -> Camera {
+pub(super) fn camera() -> Camera {
     Camera {
         position_m: [0.0, 2.0, 12.0],
         forward: [0.0, 0.0, -1.0],
@@ -31,11 +31,11 @@ fn camera() -> Camera {
     }
 }
 
-fn plant(species: usize, yaw_deg: f64) -> Placement {
+pub(super) fn plant(species: usize, yaw_deg: f64) -> Placement {
     Placement { species, transform: Transform::from_yaw([0.0; 3], yaw_deg, 1.0) }
 }
 
-fn point(seed: u32) -> [f32; 3] {
+pub(super) fn point(seed: u32) -> [f32; 3] {
     let along = |axis: u32| 2.0 * noise(seed * 3 + axis, 5) - 1.0;
     [along(0), 2.0 + along(1), along(2)]
 }
@@ -246,6 +246,94 @@ fn in_too_little_memory_plants_keep_their_mean_light_and_the_lack_is_told() {
     let report = forest.frame(&camera(), &DAY, Work::run);
     assert!(!report.lacks.is_empty() && report.loaded_bytes <= 1 << 10, "{report:?}");
     assert!(light(&forest.snapshot(), id).iter().flatten().all(|band| *band > 0.0));
+}
+
+#[test]
+fn without_room_for_all_volumes_fewer_yaws_have_one_and_then_fewer_species() {
+    let stands: Vec<Placement> =
+        (0..24).map(|number| plant(number % 3, 45.0 * f64::from(number as u32))).collect();
+    let frames = |max_volume_bytes: u64| {
+        let mut forest = forest(ForestSettings { max_volume_bytes, ..quick() });
+        let ids: Vec<PlantId> = stands.iter().map(|plant| forest.add(plant).expect("a species")).collect();
+        let mut most = 0;
+        for day in [DAY, Daylight { towards_sun: towards_sun(190.0, 40.0), ..DAY }] {
+            for _ in 0..PATIENCE {
+                let report = forest.frame(&camera(), &day, Work::run);
+                most = most.max(report.volume_bytes as u64);
+                if report.is_final {
+                    break;
+                }
+            }
+        }
+        let report = forest.frame(&camera(), &DAY, drop);
+        let snapshot = forest.snapshot();
+        assert!(ids.iter().all(|id| light(&snapshot, *id).iter().flatten().all(|band| *band > 0.0)));
+        (report.yaws, report.species_left_out, most)
+    };
+    let (yaws, left_out, all) = frames(u64::MAX);
+    assert_eq!((yaws, left_out), (8, 0));
+    for (share, expected) in [(2, [4, 2]), (4, [2, 1])] {
+        let (yaws, left_out, most) = frames(all / share);
+        assert!(
+            expected.contains(&yaws) && left_out == 0 && most <= all / share,
+            "{yaws} {left_out} {most} {all}"
+        );
+    }
+    let (yaws, left_out, most) = frames(all / 12);
+    assert!(
+        yaws == 1 && (1..3).contains(&left_out) && most > 0 && most <= all / 12,
+        "{left_out} {most} {all}"
+    );
+    assert_eq!(frames(0), (8, 3, 0));
+}
+
+/// A camera and a sun fly through 200 plants that come and go, within memory of all sizes.
+#[test]
+fn a_flight_keeps_its_promises_at_every_budget() {
+    let stands = |number: u32| {
+        let [x, z, yaw] = [1, 2, 3].map(|what| f64::from(noise(number, what)));
+        let position_m = [80.0 * x - 40.0, 0.0, 80.0 * z - 40.0];
+        Placement {
+            species: number as usize % 3,
+            transform: Transform::from_yaw(position_m, 360.0 * yaw, 1.0),
+        }
+    };
+    let mut levels = Vec::new();
+    for budget_bytes in [4 << 10, 32 << 10, 128 << 10, 8 << 20] {
+        let residency = ResidencySettings { budget_bytes, ..ResidencySettings::default() };
+        let max_volume_bytes = 4 * budget_bytes;
+        let settings = ForestSettings { residency, max_volume_bytes, yaws: 4, keep_frames: 5, ..quick() };
+        let mut forest = forest(settings);
+        let mut plants: Vec<PlantId> =
+            (0..200).map(|number| forest.add(&stands(number)).expect("a species")).collect();
+        let mut volumes = 0;
+        for frame in 0..600_u32 {
+            let one = (frame as usize * 7) % plants.len();
+            assert!(forest.remove(plants[one]));
+            plants[one] = forest.add(&stands(200 + frame)).expect("a species");
+            let (sin, cos) = libm::sincosf(frame as f32 * 0.05);
+            let eye = Camera { position_m: [30.0 * sin, 2.0, 30.0 * cos], ..camera() };
+            let eye = Camera { forward: [sin, 0.0, cos], ..eye };
+            let day = Daylight { towards_sun: towards_sun(90.0 + f64::from(frame) * 0.05, 40.0), ..DAY };
+            // Of 50 frames' work nothing is done.
+            let is_idle = frame % 200 < 50;
+            let report = forest.frame(&eye, &day, |work| if is_idle { drop(work) } else { work.run() });
+            assert!(report.loaded_bytes as u64 <= budget_bytes, "{report:?}");
+            assert!(report.volume_bytes as u64 <= max_volume_bytes, "{report:?}");
+            assert!(
+                report.failures.is_empty() && report.retries.len() <= report.in_flight + 64,
+                "{report:?}"
+            );
+            volumes = volumes.max(report.volume_bytes);
+            let (snapshot, mut rgb) = (forest.snapshot(), [f32::NAN; 3]);
+            for plant in plants.iter().skip(frame as usize % 20).step_by(20) {
+                assert!(snapshot.at(*plant, point(frame), &mut rgb));
+                assert!(rgb.iter().all(|band| *band > 0.0 && band.is_finite()), "frame {frame}: {rgb:?}");
+            }
+        }
+        levels.push(volumes);
+    }
+    assert!(levels[0] == 0 && levels[3] > levels[1], "{levels:?}");
 }
 
 #[test]

@@ -78,9 +78,30 @@ impl Volumes {
         Some(Volumes { day, nearest: nearest?, turns })
     }
 
+    /// Those of every so manieth yaw; `None` where none is left.
+    pub(super) fn kept(all: Arc<Volumes>, stride: u32) -> Option<Arc<Volumes>> {
+        let is_over = |(turn, turned): (usize, &Option<Turned>)| {
+            turned.is_some() && !turn.is_multiple_of(stride as usize)
+        };
+        if !all.turns.iter().enumerate().any(is_over) {
+            return Some(all);
+        }
+        let of = |(turn, turned): (usize, &Option<Turned>)| match turn.is_multiple_of(stride as usize) {
+            true => turned.clone(),
+            false => None,
+        };
+        let turns = all.turns.iter().enumerate().map(of).collect();
+        Volumes::of(Made { day: all.day, turns }, None).map(Arc::new)
+    }
+
     /// Completeness of the volume of a yaw.
     pub(super) fn level(&self, turn: u32) -> Option<LightLevel> {
         self.turns[turn as usize].as_ref().map(|turned| turned.level)
+    }
+
+    /// The volume that plants at a yaw have.
+    pub(super) fn at_yaw(&self, yaw: u32) -> Option<&Arc<LightVolume>> {
+        self.turns[self.nearest[yaw as usize]].as_ref().map(|turned| &turned.volume)
     }
 
     pub(super) fn volumes(&self) -> impl Iterator<Item = &Arc<LightVolume>> {
@@ -95,8 +116,8 @@ impl Volumes {
         mut tell: impl FnMut(&'v Arc<LightVolume>, f32),
     ) {
         for (turn, weight) in plant.turn.both(self.turns.len() as u32) {
-            if let Some(turned) = &self.turns[self.nearest[turn as usize]] {
-                tell(&turned.volume, share * weight);
+            if let Some(volume) = self.at_yaw(turn) {
+                tell(volume, share * weight);
             }
         }
     }

@@ -209,6 +209,13 @@ impl<'a> InstanceLight<'a> {
         }
     }
 
+    /// Unit vector towards the sun in model space and the number of places that a point looks at for the near beam,
+    /// where it marches for one. `None` where the near beam was found beforehand, and where the light needs none.
+    pub fn marches(&self) -> Option<([f64; 3], usize)> {
+        let marches = self.terms.needs_near() && self.prepared.is_none() && self.species.sites().is_some();
+        marches.then(|| (self.terms.towards_sun(), self.offsets.count()))
+    }
+
     /// The sun's beam at a point of the model at rest, metres, of a sun of irradiance 1: that of the point's own site
     /// in the mean. `None` where the light needs no near beam.
     pub fn beam_at(&self, point_m: [f32; 3]) -> Option<f32> {

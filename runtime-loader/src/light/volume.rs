@@ -13,7 +13,7 @@ pub mod words;
 use std::sync::Arc;
 
 use flb_format::Grid;
-use flb_format::blocks::EDGE;
+use flb_format::blocks::{BlockMap, EDGE};
 use flb_format::sample::site_of;
 
 use crate::InstanceLight;
@@ -39,6 +39,11 @@ impl LightVolume {
     /// Memory that it takes, bytes, without the block map, which it shares with the species.
     pub fn size_bytes(&self) -> usize {
         self.channels.size_bytes()
+    }
+
+    /// Memory that a volume of so many bands takes over blocks.
+    pub(crate) fn bytes_of(map: &BlockMap, bands: usize) -> usize {
+        Channels::bytes_of(map, bands)
     }
 
     /// Light per band at a point of the model at rest, metres, as [`InstanceLight::at`] has it, but for the rounding to

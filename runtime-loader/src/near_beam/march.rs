@@ -240,6 +240,11 @@ impl RayOffsets {
         RayOffsets(PIXEL_OFFSETS.div_ceil(rays.max(1) as usize))
     }
 
+    /// Offsets of a ray.
+    pub(crate) fn count(self) -> usize {
+        self.0
+    }
+
     /// Whether several rays make a pixel, each with a part of its offsets.
     pub(crate) fn are_of_several_rays(self) -> bool {
         self.0 < PIXEL_OFFSETS

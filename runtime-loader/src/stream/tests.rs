@@ -231,6 +231,11 @@ fn a_file_that_vanishes_leaves_what_is_loaded_and_is_reported_in_the_end() {
     let before = streamer.residency().loaded_bytes();
     is_gone.store(true, Ordering::Relaxed);
     let frames = settle(&mut streamer, &need_of(&library, forest(300)));
+    // Told at once, and once more seconds later.
+    let first_told =
+        |told: fn(&Frame) -> &Vec<Failure>| frames.iter().position(|frame| !told(frame).is_empty());
+    let [retried, given_up] = [first_told(|frame| &frame.retries), first_told(|frame| &frame.failures)];
+    assert!(retried.is_some_and(|frame| frame < 60) && given_up > retried, "{retried:?} {given_up:?}");
     let failures: Vec<&Failure> = frames.iter().flat_map(|frame| &frame.failures).collect();
     assert!(
         !failures.is_empty() && failures.len() <= 4,

@@ -3,5 +3,6 @@
 mod forest;
 
 mod changing;
+mod faults;
 mod hostile;
 mod remote;

@@ -3,10 +3,10 @@
 use flb_format::colors::color_bands;
 use flb_format::material_surface::{MaterialSurface, Texel};
 use flb_format::matter::{BandSurfaces, LeafSurface, Surfaces, WoodSurface};
+use flb_format::surface::Law;
 use glam::DVec3;
 
 use super::evidence::Evidence;
-use super::law::Law;
 use super::points::on_surface;
 use super::rules::{ColorRules, ColorSource};
 use crate::alpha::Coverage;
@@ -302,17 +302,17 @@ fn show(
     let law = |(decision, found): (&Option<Decision>, &Found)| {
         let decision = decision.as_ref()?;
         // Other bands take no colour of texels (SPEC.md, section 9.3).
-        Law::own(&decision.surface.of_bands(&colors?), found.color.as_vec3())
+        Law::of_material(&decision.surface.of_bands(&colors?), found.color.as_vec3().to_array())
     };
     let laws: Vec<Option<Law>> = decisions.iter().zip(found).map(law).collect();
     let mut sums = vec![[DVec3::ZERO; 2]; laws.len()];
     let mut clamped = vec![0.0; laws.len()];
     on_surface(mesh, coverage, |material, color, share| {
         let Some(law) = &laws[material] else { return };
-        let shares = law.at(color);
+        let shares = law.at(color.to_array());
         let [reflected, transmitted] = &mut sums[material];
-        *reflected += shares.reflectance.as_dvec3() * share;
-        *transmitted += shares.transmittance.as_dvec3() * share;
+        *reflected += DVec3::from(shares.reflectance.map(f64::from)) * share;
+        *transmitted += DVec3::from(shares.transmittance.map(f64::from)) * share;
         clamped[material] += if shares.is_clamped { share } else { 0.0 };
     });
     let of = |material: usize| {

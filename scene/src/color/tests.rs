@@ -1,6 +1,6 @@
 use flb_format::material_surface::{MaterialSurface, Texel};
 use flb_format::matter::{BandSurfaces, Surfaces};
-use glam::{DVec3, Vec3};
+use glam::DVec3;
 
 use super::*;
 use crate::leaf::knapp_carter;
@@ -226,18 +226,6 @@ fn bright_texels_are_clamped_and_the_mean_is_that_of_what_is_shown() {
         assert!((band.leaf.reflectance + band.leaf.transmittance - 1.0).abs() < 1e-6, "{band:?}");
     }
     assert_eq!(leaf(&white).clamped, 1.0);
-}
-
-#[test]
-fn a_law_sends_out_no_more_than_it_gets() {
-    let law = Law { unit: Vec3::splat(0.1), reflectance: Vec3::splat(0.4), transmittance: Vec3::splat(0.2) };
-    let even = law.at(Vec3::splat(0.1));
-    assert!(!even.is_clamped && even.reflectance == Vec3::splat(0.4), "{even:?}");
-    let bright = law.at(Vec3::ONE);
-    assert!(bright.is_clamped && bright.reflectance.abs_diff_eq(Vec3::splat(2.0 / 3.0), 1e-6), "{bright:?}");
-    let black = Law { unit: Vec3::ZERO, ..law }.at(Vec3::ZERO);
-    assert_eq!(black.reflectance, law.reflectance);
-    assert_eq!(Law::PLAIN.at(Vec3::new(0.5, 0.3, 0.1)).reflectance, Vec3::new(0.5, 0.3, 0.1));
 }
 
 #[test]

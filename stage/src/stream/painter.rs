@@ -27,7 +27,7 @@ use crate::look::SKY_RAYS;
 use crate::neighbours::Neighbours;
 use crate::parts::Part;
 use crate::renderer::Kept;
-use crate::{SceneLook, Stage, StageError, light};
+use crate::{SceneLook, Stage, StageError, light, suns};
 
 /// Bytes that the light of a whole file may take, where it is asked for to compare with.
 const WHOLE_BYTES: u64 = 4 << 30;
@@ -420,6 +420,7 @@ impl<'s> Painter<'s> {
         let (placements, rays) = (&self.stage.scene.instances[..], fragments.view().samples);
         let skies = self.skies(lighting)?;
         let now = light::of_plants(&lights, skies.as_ref(), placements, lighting, shade, rays)?;
+        let now = suns::prepare(&lights, placements, now, &fragments.on_plants(placements.len()));
         let cursors = LightCursors::new(&now);
         let light = |LightQuery { instance, point, facing }: LightQuery, phi: &mut [f32; 3]| {
             cursors.at_facing(instance as usize, point, facing, phi);

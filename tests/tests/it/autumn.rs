@@ -7,7 +7,7 @@ use std::sync::LazyLock;
 use flb_fixtures::{PlantKind, autumn, grow};
 use flb_format::material_surface::Texel;
 use flb_format::sun::towards_sun;
-use flb_scene::color::{Law, mean_colors};
+use flb_scene::color::{law, mean_colors};
 use flb_scene::rays::{RayMesh, uv};
 use flb_scene::surface_points::surface_points;
 use flb_scene::texture::{SrgbTable, color};
@@ -37,9 +37,10 @@ fn leaf_shares(bake: &DefaultBake) -> Vec<[Vec3; 2]> {
     let shares = points.iter().filter_map(|point| {
         let material = mesh.triangle_material[point.triangle as usize] as usize;
         let at = uv(mesh, point.triangle as usize, point.weights);
-        let law = Law::of(&mesh.materials[material], classes[material], leaf, means[material]);
-        let shares = law.at(color(&mesh.materials[material], &mesh.images, &table, at));
-        (classes[material] == MaterialClass::Leaf).then_some([shares.reflectance, shares.transmittance])
+        let law = law(&mesh.materials[material], classes[material], leaf, means[material]);
+        let shares = law.at(color(&mesh.materials[material], &mesh.images, &table, at).to_array());
+        let shares = [shares.reflectance, shares.transmittance].map(Vec3::from);
+        (classes[material] == MaterialClass::Leaf).then_some(shares)
     });
     shares.collect()
 }

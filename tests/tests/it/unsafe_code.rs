@@ -1,10 +1,12 @@
-//! Only two files may hold unsafe code: read from the sources themselves, so that no attribute can be forgotten.
+//! Only three files may hold unsafe code: read from the sources themselves, so that no attribute can be forgotten.
 
 use std::fs;
 use std::path::{Path, PathBuf};
 
-/// The files, and the crate root that lets each: a mapping, and a look at stdout before the standard library starts.
-const ALLOWED: [(&str, &str); 2] = [
+/// The files, and the crate root that lets each: a mapping, a look at stdout before the standard library starts, and
+/// names that a web page calls.
+const ALLOWED: [(&str, &str); 3] = [
+    ("examples/browser/src/lib.rs", "examples/browser/src/lib.rs"),
     ("runtime-loader/src/source/mapped.rs", "runtime-loader/src/lib.rs"),
     ("cli/src/startup.rs", "cli/src/main.rs"),
 ];
@@ -58,7 +60,7 @@ fn breaches(sources: &[(String, String)]) -> Vec<String> {
 }
 
 #[test]
-fn unsafe_code_is_in_two_files() {
+fn unsafe_code_is_in_three_files() {
     let sources = sources();
     let roots =
         sources.iter().filter(|(path, _)| path.ends_with("/src/lib.rs") || path.ends_with("/src/main.rs"));

@@ -61,6 +61,11 @@ impl Channels {
         size_of_val(&self.ranges[..]) + self.codes.len() + size_of_val(&self.coarse[..])
     }
 
+    /// [`Channels::size_bytes`] of so many channels.
+    pub(super) fn bytes_of(map: &BlockMap, count: usize) -> usize {
+        count * (map.len() * (size_of::<[f32; 2]>() + TEXELS) + 4 * coarse::edge(map).pow(3) as usize)
+    }
+
     /// Blocks that are stored.
     pub(super) fn map(&self) -> &BlockMap {
         &self.shared.map

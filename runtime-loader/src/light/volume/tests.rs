@@ -62,6 +62,8 @@ fn a_volume_has_the_light_of_its_sun_and_sky() {
         assert!(rms < most && bias.abs() < most / 3.0, "{suns:?} {codec:?}: {rms} {bias}");
         // A texel has three codes of a byte, of which a block shares its bounds.
         let blocks = species.resident().shared().expect("a map").map.len();
+        let map = &species.resident().shared().expect("a map").map;
+        assert_eq!(volume.size_bytes(), LightVolume::bytes_of(map, BANDS));
         assert!(volume.size_bytes() >= blocks * BANDS * (64 + 8), "{} bytes", volume.size_bytes());
         assert!(volume.size_bytes() < blocks * BANDS * (64 + 8) + BANDS * 4 * 64);
     }

@@ -5,6 +5,9 @@
 //
 // `flb_volume(volume, point_m)` is the light at a point of the model at rest, red, green and blue, of eight
 // texels. `volume` is the word at which a volume begins.
+//
+// `flb_light(forest, plant, point_m)` is that of a plant of a forest (ForestBuffer): the sum of up to four volumes.
+// `forest` is the word at which its buffer begins, `plant` the number of the plant there.
 
 // Words of a volume's head.
 const FLB_VOLUME_LATTICE: u32 = 1u;
@@ -104,4 +107,41 @@ fn flb_volume(volume: u32, point_m: vec3<f32>) -> vec3<f32> {
     }
     let least = bitcast<f32>(flb_volumes[volume + FLB_VOLUME_LEAST]);
     return max(light, vec3<f32>(least));
+}
+
+// Words of a forest, of a species, and of a plant.
+const FLB_FOREST_PLANTS: u32 = 1u;
+const FLB_FOREST_MAX_PLANTS: u32 = 2u;
+const FLB_SPECIES_FACTOR: u32 = 1u;
+const FLB_SPECIES_REST: u32 = 3u;
+const FLB_SPECIES_VOLUMES: u32 = 8u;
+const FLB_PLANT: u32 = 2u;
+
+// Light of a plant of a forest at a point of its model at rest, metres; a plant that is not there has none.
+fn flb_light(forest: u32, plant: u32, point_m: vec3<f32>) -> vec3<f32> {
+    if plant >= flb_volumes[forest + FLB_FOREST_MAX_PLANTS] {
+        return vec3<f32>(0.0);
+    }
+    let record = forest + flb_volumes[forest + FLB_FOREST_PLANTS] + FLB_PLANT * plant;
+    if flb_volumes[record] == 0u {
+        return vec3<f32>(0.0);
+    }
+    let species = forest + flb_volumes[record];
+    let turn = flb_volumes[record + 1u];
+    let yaws = flb_volumes[species];
+    let next = f32(turn >> 16u) / 65536.0;
+    var light = flb_volume_floats(species + FLB_SPECIES_REST);
+    // Two yaws, of what is shown and of what was before it.
+    for (var part = 0u; part < 4u; part += 1u) {
+        let later = part >> 1u;
+        let yaw = ((turn & 0xffffu) + later) % yaws;
+        let age = part & 1u;
+        let factor = bitcast<f32>(flb_volumes[species + FLB_SPECIES_FACTOR + age]);
+        let share = factor * select(1.0 - next, next, later == 1u);
+        let volume = flb_volumes[species + FLB_SPECIES_VOLUMES + 2u * yaw + age];
+        if share != 0.0 && volume != 0u {
+            light += share * flb_volume(forest + volume, point_m);
+        }
+    }
+    return light;
 }

@@ -29,7 +29,8 @@ const RGB: usize = 3;
 /// First word of a volume: the version of its layout.
 pub const VERSION: u32 = 1;
 
-/// Reads volumes in WGSL: `flb_volume(volume, point_m)`, one storage buffer in binding 0 of group 0.
+/// Reads volumes in WGSL: `flb_volume(volume, point_m)`, and forests: `flb_light(forest, plant, point_m)`; one storage
+/// buffer in binding 0 of group 0.
 pub const WGSL: &str = include_str!("volume.wgsl");
 /// [`WGSL`] in HLSL (shader model 5.1), made by naga: `flb_volumes` is a `ByteAddressBuffer`, `t0`.
 pub const HLSL: &str = include_str!("../../../shaders/volume.hlsl");
@@ -39,6 +40,14 @@ pub const MSL: &str = include_str!("../../../shaders/volume.metal");
 pub const GLSL: &str = include_str!("../../../shaders/volume.glsl");
 
 impl LightVolume {
+    /// Number of [`LightVolume::words`].
+    pub fn word_count(&self) -> usize {
+        let map = self.channels.map();
+        HEAD + 2 * map.words().len()
+            + (2 * RGB + TEXELS) * map.len()
+            + RGB * coarse::edge(map).pow(3) as usize
+    }
+
     /// The volume for a GPU. `None` for light of more than three bands.
     pub fn words(&self) -> Option<Vec<u32>> {
         let (bands, channels) = (self.bands(), &self.channels);
@@ -78,9 +87,10 @@ impl LightVolume {
         words.extend([of_map, of_ranges, of_codes, of_coarse, coarse::edge(map), least.to_bits()]);
         words.resize(HEAD, 0);
         words.append(&mut body);
+        debug_assert_eq!(words.len(), self.word_count());
         Some(words)
     }
 }
 
 #[cfg(test)]
-mod tests;
+pub(crate) mod tests;

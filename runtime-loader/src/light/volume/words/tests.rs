@@ -45,7 +45,7 @@ fn in_msl() -> String {
 
 fn in_glsl() -> String {
     let asks = "@fragment fn main(@location(0) point_m: vec3<f32>) -> @location(0) vec4<f32> {
-        return vec4<f32>(flb_volume(0u, point_m), 1.0);
+        return vec4<f32>(flb_light(0u, 0u, point_m), 1.0);
     }";
     let (module, info) = module(&format!("{WGSL}{asks}"));
     let options = glsl::Options { version: glsl::Version::Desktop(450), ..Default::default() };
@@ -78,7 +78,7 @@ fn shaders_in_other_languages_are_those_in_wgsl() {
         } else {
             assert!(text == kept, "{name} is out of date: {WRITE}=1 writes it anew");
         }
-        assert!(text.contains("flb_volume(") && text.contains("flb_volume_coarse("), "{name}");
+        assert!(text.contains("flb_volume(") && text.contains("flb_light("), "{name}");
     }
 }
 
@@ -88,17 +88,19 @@ const PROBE: &str = "
 @compute @workgroup_size(64)
 fn probe(@builtin(global_invocation_id) at: vec3<u32>) {
     if at.x < arrayLength(&points) {
-        found[at.x] = vec4<f32>(flb_volume(bitcast<u32>(points[at.x].w), points[at.x].xyz), 1.0);
+        let point = points[at.x].xyz;
+        let number = bitcast<u32>(points[at.x].w);
+        found[at.x] = vec4<f32>(LIGHT, 1.0);
     }
 }
 ";
 
-/// Light at points, each with the first word of its volume, as a renderer's shader has it.
-fn on_gpu(words: &[u32], points: &[[f32; 4]]) -> Vec<[f32; 3]> {
+/// Light at points, each with a number, as a renderer's shader has it by an expression of `point` and `number`.
+pub(crate) fn on_gpu(words: &[u32], points: &[[f32; 4]], light: &str) -> Vec<[f32; 3]> {
     let gpu = Gpu::open(wgpu::Features::empty()).unwrap_or_else(|error| panic!("{error}"));
     let module = gpu.device.create_shader_module(wgpu::ShaderModuleDescriptor {
         label: None,
-        source: wgpu::ShaderSource::Wgsl((WGSL.to_owned() + PROBE).into()),
+        source: wgpu::ShaderSource::Wgsl((WGSL.to_owned() + &PROBE.replace("LIGHT", light)).into()),
     });
     let pipeline = gpu.device.create_compute_pipeline(&wgpu::ComputePipelineDescriptor {
         label: None,
@@ -165,7 +167,9 @@ fn a_gpu_finds_the_light_of_volumes_wherever_they_lie_in_a_buffer() {
             expected.push(rgb);
         }
     }
-    for ((found, expected), point) in on_gpu(&words, &points).iter().zip(&expected).zip(&points) {
+    for ((found, expected), point) in
+        on_gpu(&words, &points, "flb_volume(number, point)").iter().zip(&expected).zip(&points)
+    {
         for (found, expected) in found.iter().zip(expected) {
             // Places are rounded to f32 from the lattice's middle on.
             assert!(
