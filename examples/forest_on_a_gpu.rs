@@ -40,7 +40,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     let library = Arc::new(Library::open(&path)?);
     let mut forest = Forest::new(library, ForestSettings { blend_frames: 20, ..ForestSettings::default() })?;
     let mut plants = (0..PLANTS).map(|number| forest.add(&stands(number))).collect::<Result<Vec<_>, _>>()?;
-    let sizes = BufferSettings { bytes: 16 << 20, max_plants: PLANTS, ..BufferSettings::default() };
+    let sizes = BufferSettings { max_plants: PLANTS, ..BufferSettings::default() };
     let (gpu, mut buffer) = (Gpu::new(sizes.bytes)?, ForestBuffer::new(sizes));
     for frame in 0..FRAMES {
         // A plant goes, another comes.
@@ -63,6 +63,9 @@ fn main() -> Result<(), Box<dyn Error>> {
                 apart = found.iter().zip(rgb).fold(apart, |most, (gpu, cpu)| most.max((gpu - cpu).abs()));
             }
             let mean = |band: usize| found.iter().map(|rgb| rgb[band]).sum::<f32>() / PLANTS as f32;
+            if followed.lacking_bytes > 0 {
+                eprintln!("frame {frame}: the buffer lacks {} bytes", followed.lacking_bytes);
+            }
             println!(
                 "frame {frame}: {} bytes written, {apart:.4} from the CPU at most, light {:.3?}",
                 followed.written_bytes,

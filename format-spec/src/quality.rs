@@ -53,7 +53,7 @@ pub enum Purpose {
     Games,
     /// Pictures: what is baked where nothing is said.
     Stills,
-    /// Frames of a film, seen from near by: the least error, whatever the bake takes.
+    /// Frames of a film: closer coding and more harmonics, which bright leaves need.
     Film,
 }
 

@@ -40,9 +40,15 @@ pub use snapshot::{Parts, Snapshot};
 pub use work::Work;
 
 use plants::{Plant, Plants};
-use room::{Wish, strides};
+use room::{Wish, chosen, stride};
 use species::Lit;
 use work::{Done, Inbox};
+
+/// Most yaws: a tenth of a degree.
+const MAX_YAWS: u32 = 3600;
+
+/// Frames that more yaws must fit before they are made.
+const REFINE_FRAMES: u32 = 120;
 
 /// Most units that a frame puts in their place.
 const MAX_UNITS: usize = 64;
@@ -55,7 +61,7 @@ pub struct ForestSettings {
     /// Most memory of volumes, with those that are faded out: where it is too little, fewer yaws have one each, and
     /// then fewer species.
     pub max_volume_bytes: u64,
-    /// Yaws of which each species has a volume, from north clockwise; 1 or more. Plants at these yaws have its exact
+    /// Yaws of which each species has a volume, from north clockwise; 1 to 3600. Plants at these yaws have its exact
     /// light, others a blend of two.
     pub yaws: u32,
     /// Degrees that the sun moves before volumes are made anew.
@@ -119,6 +125,10 @@ pub struct Forest {
     outside: Resident,
     inbox: Arc<Inbox>,
     in_flight: usize,
+    /// Every how-manieth yaw has a volume.
+    stride: u32,
+    /// Frames in which more would have fitted.
+    fitting_frames: u32,
     snapshot: Arc<Snapshot>,
 }
 
@@ -129,7 +139,7 @@ impl Forest {
     /// [`RuntimeError::NotStreamed`] for a species that is not coded near geometry.
     pub fn new(library: Arc<Library>, settings: ForestSettings) -> Result<Forest, RuntimeError> {
         let settings = ForestSettings {
-            yaws: settings.yaws.max(1),
+            yaws: settings.yaws.clamp(1, MAX_YAWS),
             blend_frames: settings.blend_frames.max(1),
             ..settings
         };
@@ -144,6 +154,8 @@ impl Forest {
             snapshot: Arc::new(Snapshot::default()),
             inbox: Arc::default(),
             in_flight: 0,
+            stride: 1,
+            fitting_frames: 0,
             species,
             stage,
             settings,
@@ -258,7 +270,7 @@ impl Forest {
             in_flight: self.in_flight,
             loaded_bytes: self.stage.resident().size_bytes(),
             volume_bytes: self.volume_bytes(),
-            yaws: self.settings.yaws.div_ceil(strides.iter().flatten().copied().max().unwrap_or(1)),
+            yaws: self.settings.yaws.div_ceil(self.stride),
             species_left_out: strides
                 .iter()
                 .zip(&pixels)
@@ -273,25 +285,34 @@ impl Forest {
     }
 
     /// Of each species that is seen, every how-manieth yaw has a volume; `None` of others, and where there is no room.
-    /// What is over drops at once.
+    /// What is over drops at once. Those that were seen lately keep their room, and more yaws come only after a while
+    /// in which they would have fitted, so that nothing comes and goes with each turn of the camera.
     fn strides(&mut self, pixels: &[f32]) -> Vec<Option<u32>> {
-        let seen: Vec<usize> = (0..pixels.len()).filter(|number| pixels[*number] > 0.0).collect();
+        let (yaws, room) = (self.settings.yaws, self.settings.max_volume_bytes);
+        let counts: Vec<usize> = (0..pixels.len())
+            .filter(|number| pixels[*number] > 0.0 || self.species[*number].has_volumes())
+            .collect();
         let wish = |number: &usize| {
             let (lit, resident) = (&self.species[*number], self.stage.resident().species(*number));
-            Wish { bytes: lit.volume_bytes(resident), yaws: lit.yaws(), pixels: pixels[*number] }
+            let (bytes, has_some) = (lit.volume_bytes(resident), lit.has_volumes());
+            Wish { bytes, yaws: lit.yaws(), pixels: pixels[*number], has_some }
         };
-        let wishes: Vec<Wish> = seen.iter().map(wish).collect();
-        let room = self.settings.max_volume_bytes;
-        let unseen = (0..pixels.len()).filter(|number| pixels[*number] <= 0.0);
-        let unseen_bytes: u64 = unseen.clone().map(|number| self.species[number].size_bytes() as u64).sum();
-        let found = strides(&wishes, self.settings.yaws, room);
-        if strides(&wishes, self.settings.yaws, room.saturating_sub(unseen_bytes)) != found {
-            unseen.for_each(|number| self.species[number].keep(None));
+        let wishes: Vec<Wish> = counts.iter().map(wish).collect();
+        let found = stride(&wishes, yaws, room);
+        self.fitting_frames =
+            if found.is_some_and(|found| found < self.stride) { self.fitting_frames + 1 } else { 0 };
+        if found.is_none_or(|found| found > self.stride) || self.fitting_frames > REFINE_FRAMES {
+            (self.stride, self.fitting_frames) = (found.unwrap_or(yaws), 0);
         }
+        let have_room = match found {
+            Some(_) => vec![true; wishes.len()],
+            None => chosen(&wishes, yaws, room),
+        };
         let mut all = vec![None; pixels.len()];
-        for (number, stride) in seen.into_iter().zip(found) {
+        for (number, has_room) in counts.into_iter().zip(have_room) {
+            let stride = has_room.then_some(self.stride);
             self.species[number].keep(stride);
-            all[number] = stride;
+            all[number] = stride.filter(|_| pixels[number] > 0.0);
         }
         all
     }

@@ -211,8 +211,7 @@ impl<'r> SpeciesLight<'r> {
     /// Sites that a sun is prepared for; 0 where the light needs no near beam.
     pub fn near_sites(&self) -> usize {
         let species = self.resident();
-        let sites = species.sites().filter(|_| species.suns().has_near_beam());
-        sites.map_or(0, |sites| sites.sites().len())
+        if species.suns().has_near_beam() { species.matter_sites() } else { 0 }
     }
 
     /// The light of an uneven sky on a plant that stands where `world_from_model` says, for

@@ -256,6 +256,15 @@ impl ResidentSpecies {
         self.sites.get()
     }
 
+    /// Number of sites that hold matter; 0 where the extinction is not loaded. Their list is not made for it.
+    pub(crate) fn matter_sites(&self) -> usize {
+        match (self.sites.get(), &self.extinction) {
+            (Some(sites), _) => sites.sites().len(),
+            (None, Some(extinction)) => extinction.depths().len(),
+            (None, None) => 0,
+        }
+    }
+
     /// Sums that the near beams of all its suns share; `None` where they need no near beam, and where the extinction is
     /// not loaded.
     pub(crate) fn near_sums(&self) -> Option<Near<'_>> {

@@ -4,6 +4,7 @@
 use std::collections::BTreeMap;
 
 use flb_format::Placement;
+use flb_format::beam::Near;
 use flb_runtime::{InstanceLight, SpeciesLight};
 use rayon::prelude::*;
 
@@ -12,8 +13,12 @@ use rayon::prelude::*;
 const MARCH: u64 = 8_000;
 const SUMS: u64 = 5_300;
 const SUN: u64 = 750;
-/// Most suns of a species, each with 16 bytes a site.
+/// Most suns of a species, and most memory of all suns of a picture, of 16 bytes a site each.
 const MAX_SUNS: usize = 32;
+const MAX_BYTES: usize = 512 << 20;
+const SITE_BYTES: usize = 16;
+/// By how much sums must pay: one thread makes those of a species, where all of them march.
+const GAIN: u64 = 2;
 
 /// Plants that see one sun, in the frame of their model.
 #[derive(Default)]
@@ -23,6 +28,9 @@ struct Alike {
     points: u64,
 }
 
+/// A plant and its light.
+type Plant<'l> = (usize, InstanceLight<'l>);
+
 /// Prepares suns where that costs less than the marches of a picture of so many rays a pixel, of which `points[plant]`
 /// meet each plant.
 pub(crate) fn prepare<'l>(
@@ -31,56 +39,78 @@ pub(crate) fn prepare<'l>(
     mut lit: Vec<Option<InstanceLight<'l>>>,
     points: &[u32],
 ) -> Vec<Option<InstanceLight<'l>>> {
-    for (number, species) in light.iter().enumerate() {
+    // Of a million plants few are seen.
+    let mut seen: Vec<Vec<usize>> = light.iter().map(|_| Vec::new()).collect();
+    for (plant, one) in placements.iter().enumerate().filter(|(plant, _)| points[*plant] > 0) {
+        seen[one.species].push(plant);
+    }
+    let mut left = MAX_BYTES;
+    let mut taken: Vec<(&SpeciesLight<'_>, Vec<Vec<Plant<'l>>>)> = Vec::new();
+    for (species, plants) in light.iter().zip(seen) {
         let Some(species) = species else { continue };
-        let mut suns = BTreeMap::<[u64; 3], Alike>::new();
-        let mut looks = 0;
-        // Of a million plants few are seen.
-        let seen = |(plant, one): &(usize, &Placement)| one.species == number && points[*plant] > 0;
-        for (plant, _) in placements.iter().enumerate().filter(seen) {
-            let Some((sun, offsets)) = lit[plant].as_ref().and_then(InstanceLight::marches) else { continue };
-            let alike = suns.entry(sun.map(f64::to_bits)).or_default();
-            alike.plants.push(plant);
-            alike.points += u64::from(points[plant]);
-            looks = offsets as u64;
-        }
-        let worth = |alike: &Alike| alike.points * looks * MARCH;
-        let mut chosen: Vec<Alike> = suns.into_values().collect();
-        chosen.sort_by_key(|alike| std::cmp::Reverse(alike.points));
-        chosen.truncate(MAX_SUNS);
-        let of_sites = |cost: u64| species.near_sites() as u64 * cost;
-        chosen.retain(|alike| worth(alike) > of_sites(SUN));
-        let gain: u64 = chosen.iter().map(|alike| worth(alike) - of_sites(SUN)).sum();
-        if gain <= of_sites(SUMS) {
-            continue;
-        }
-        let near = species.near();
-        let taken: Vec<Vec<(usize, InstanceLight)>> = chosen
-            .iter()
-            .map(|alike| {
-                alike.plants.iter().filter_map(|plant| Some((*plant, lit[*plant].take()?))).collect()
-            })
-            .collect();
-        let prepared: Vec<Vec<(usize, InstanceLight)>> = taken
-            .into_par_iter()
-            .map(|alike| {
-                let mut found = None;
-                let prepare = |(plant, lit): (usize, InstanceLight<'l>)| {
-                    let lit = match &found {
-                        Some(found) => lit.prepared_as(found),
-                        None => lit.prepared_by(near.as_ref()),
-                    };
-                    found = lit.prepared_sun().cloned();
-                    (plant, lit)
-                };
-                alike.into_iter().map(prepare).collect()
-            })
-            .collect();
-        for (plant, one) in prepared.into_iter().flatten() {
-            lit[plant] = Some(one);
+        let chosen = choose(species, &plants, &lit, points, &mut left);
+        if !chosen.is_empty() {
+            let mut take = |plant: usize| Some((plant, lit[plant].take()?));
+            let suns = chosen.into_iter().map(|sun| sun.plants.into_iter().filter_map(&mut take).collect());
+            taken.push((species, suns.collect()));
         }
     }
+    let prepared: Vec<Vec<Vec<Plant<'l>>>> = taken
+        .into_par_iter()
+        .map(|(species, suns)| {
+            let near = species.near();
+            suns.into_par_iter().map(|alike| one_sun(alike, near.as_ref())).collect()
+        })
+        .collect();
+    for (plant, one) in prepared.into_iter().flatten().flatten() {
+        lit[plant] = Some(one);
+    }
     lit
+}
+
+/// Suns of a species that are worth it, those that most rays meet first; none where sums of all suns are not. Takes
+/// their memory from what is left.
+fn choose(
+    species: &SpeciesLight<'_>,
+    plants: &[usize],
+    lit: &[Option<InstanceLight<'_>>],
+    points: &[u32],
+    left: &mut usize,
+) -> Vec<Alike> {
+    let mut suns = BTreeMap::<[u64; 3], Alike>::new();
+    let mut looks = 0;
+    for &plant in plants {
+        let Some((sun, offsets)) = lit[plant].as_ref().and_then(InstanceLight::marches) else { continue };
+        let alike = suns.entry(sun.map(f64::to_bits)).or_default();
+        alike.plants.push(plant);
+        alike.points += u64::from(points[plant]);
+        looks = offsets as u64;
+    }
+    let sites = species.near_sites();
+    let of_sites = |cost: u64| sites as u64 * cost;
+    let gain = |alike: &Alike| (alike.points * looks * MARCH).saturating_sub(of_sites(SUN));
+    let mut chosen: Vec<Alike> = suns.into_values().filter(|alike| gain(alike) > 0).collect();
+    chosen.sort_by_key(|alike| std::cmp::Reverse(alike.points));
+    chosen.truncate(MAX_SUNS.min(*left / (sites * SITE_BYTES).max(1)));
+    if chosen.iter().map(gain).sum::<u64>() <= GAIN * of_sites(SUMS) {
+        return Vec::new();
+    }
+    *left -= chosen.len() * sites * SITE_BYTES;
+    chosen
+}
+
+/// Plants that see one sun, which is prepared once.
+fn one_sun<'l>(alike: Vec<Plant<'l>>, near: Option<&Near<'_>>) -> Vec<Plant<'l>> {
+    let mut found = None;
+    let prepare = |(plant, lit): Plant<'l>| {
+        let lit = match &found {
+            Some(found) => lit.prepared_as(found),
+            None => lit.prepared_by(near),
+        };
+        found = lit.prepared_sun().cloned();
+        (plant, lit)
+    };
+    alike.into_iter().map(prepare).collect()
 }
 
 #[cfg(test)]

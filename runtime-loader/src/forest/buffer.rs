@@ -25,7 +25,7 @@
 //! volume is written once.
 
 use std::collections::BTreeMap;
-use std::sync::Arc;
+use std::sync::{Arc, Weak};
 
 use super::PlantId;
 use super::plants::Plant;
@@ -48,17 +48,18 @@ pub struct BufferSettings {
     pub bytes: u64,
     /// Most plants at a time.
     pub max_plants: u32,
-    /// Frames that a GPU may be behind: what they read is not written over.
+    /// Frames that a GPU may be behind, 1 or more: volumes that they read are not written over. Tables are, so that
+    /// writes must be copies in the order of the GPU's queue.
     pub frames_in_flight: u32,
     /// Bytes of volumes that a frame writes, but for one volume that may always be written.
     pub max_upload_bytes: u64,
 }
 
 impl Default for BufferSettings {
-    /// 64 MiB, 16,384 plants, 3 frames, 4 MiB.
+    /// 128 MiB, the most that every device of WebGPU binds; 16,384 plants, 3 frames, 4 MiB.
     fn default() -> BufferSettings {
         BufferSettings {
-            bytes: 64 << 20,
+            bytes: 128 << 20,
             max_plants: 1 << 14,
             frames_in_flight: 3,
             max_upload_bytes: 4 << 20,
@@ -73,13 +74,14 @@ pub struct Followed {
     pub written_bytes: u64,
     /// Whether the buffer has the light of the snapshot; else more comes with the next frames, or there is no room.
     pub is_complete: bool,
-    /// Bytes of volumes that found no room: species keep the light that they had.
+    /// Bytes of volumes that found no room, or have more than three bands: species keep the light that they had while
+    /// it is faded out, and have their mean light then.
     pub lacking_bytes: u64,
     /// Plants beyond [`BufferSettings::max_plants`], which have no light.
     pub plants_left_out: u32,
 }
 
-/// Places of a forest's light in a buffer.
+/// Places of a forest's light in a buffer; another forest takes another one.
 pub struct ForestBuffer {
     settings: BufferSettings,
     frame: u64,
@@ -89,7 +91,8 @@ pub struct ForestBuffer {
     species: Vec<Record>,
     /// By the address of the volume.
     places: BTreeMap<usize, Place>,
-    is_begun: bool,
+    /// Where the plants begin, as written.
+    written: Option<u32>,
 }
 
 /// A species as it is in the buffer.
@@ -103,7 +106,7 @@ struct Record {
 /// Where a volume lies.
 struct Place {
     /// So that no other volume has its address.
-    _volume: Arc<LightVolume>,
+    _volume: Weak<LightVolume>,
     first: u32,
     words: u32,
     /// Frame that read it last.
@@ -122,12 +125,12 @@ impl ForestBuffer {
     /// Plans an empty buffer.
     pub fn new(settings: BufferSettings) -> ForestBuffer {
         ForestBuffer {
-            settings,
+            settings: BufferSettings { frames_in_flight: settings.frames_in_flight.max(1), ..settings },
             frame: 0,
             plants: Arc::default(),
             species: Vec::new(),
             places: BTreeMap::new(),
-            is_begun: false,
+            written: None,
         }
     }
 
@@ -135,6 +138,10 @@ impl ForestBuffer {
     /// written there, of the machine's byte order, before what draws the frame. The first frame writes all tables.
     pub fn follow(&mut self, snapshot: &Snapshot, mut write: impl FnMut(u64, &[u32])) -> Followed {
         self.frame += 1;
+        if snapshot.species.is_empty() {
+            // Before the forest's first frame.
+            return Followed::default();
+        }
         let mut followed = Followed { is_complete: true, ..Followed::default() };
         let mut put = |followed: &mut Followed, first: u32, words: &[u32]| {
             if !words.is_empty() {
@@ -144,8 +151,17 @@ impl ForestBuffer {
         };
         let firsts = firsts(snapshot);
         let plants = firsts.last().copied().unwrap_or(HEAD);
-        let volumes = plants + PLANT * self.settings.max_plants;
-        if !self.is_begun {
+        let tables = u64::from(plants) + u64::from(PLANT) * u64::from(self.settings.max_plants);
+        let Some(volumes) = u32::try_from(tables).ok().filter(|words| *words <= self.end()) else {
+            // Not even the tables have room: nothing is written.
+            let lacking_bytes = 4 * (tables - u64::from(self.end()).min(tables));
+            let plants_left_out = snapshot.plants.iter().filter(|plant| plant.is_there()).count() as u32;
+            return Followed { lacking_bytes, plants_left_out, ..Followed::default() };
+        };
+        if self.written != Some(plants) {
+            self.species.clear();
+            self.places.clear();
+            self.plants = Arc::default();
             put(&mut followed, 0, &[VERSION, plants, self.settings.max_plants, 0]);
             put(&mut followed, plants, &vec![0; (PLANT * self.settings.max_plants) as usize]);
         }
@@ -154,9 +170,10 @@ impl ForestBuffer {
             let placed = self.place(shown, volumes, &mut budget, &mut followed, &mut put);
             let known = self.species.get(number);
             let record = match (placed, known) {
-                (Some(record), _) => record,
-                (None, Some(known)) => known.clone(),
-                (None, None) => Record { words: beside(shown, 1.0), volumes: Vec::new() },
+                (Ok(record), _) => record,
+                // While it is faded, or more comes, what was there goes on; without room it would stay for ever.
+                (Err(has_room), Some(known)) if has_room || shown.is_fading() => known.clone(),
+                (Err(_), _) => Record { words: beside(shown, 1.0), volumes: Vec::new() },
             };
             for volume in &record.volumes {
                 self.places.get_mut(volume).expect("it was placed").used = self.frame;
@@ -170,7 +187,8 @@ impl ForestBuffer {
             }
         }
         self.write_plants(snapshot, &firsts, &mut followed, &mut put);
-        self.is_begun = true;
+        self.written = Some(plants);
+        followed.is_complete &= followed.plants_left_out == 0;
         followed
     }
 
@@ -207,7 +225,7 @@ impl ForestBuffer {
         self.plants = Arc::clone(&snapshot.plants);
     }
 
-    /// A species with all of its volumes in their places; `None` where one is not.
+    /// A species with all of its volumes in their places; else whether there is room for all of them.
     fn place(
         &mut self,
         shown: &Shown,
@@ -215,8 +233,8 @@ impl ForestBuffer {
         budget: &mut Option<u64>,
         followed: &mut Followed,
         put: &mut impl FnMut(&mut Followed, u32, &[u32]),
-    ) -> Option<Record> {
-        let (mut volumes, mut is_whole) = (Vec::new(), true);
+    ) -> Result<Record, bool> {
+        let (mut volumes, mut is_whole, mut has_room) = (Vec::new(), true, true);
         let yaws = shown.yaws;
         let mut words = beside(shown, shown.rest());
         words[0] = yaws;
@@ -234,13 +252,13 @@ impl ForestBuffer {
                     Room::Later => is_whole = false,
                     Room::None(bytes) => {
                         followed.lacking_bytes += bytes;
-                        is_whole = false;
+                        (is_whole, has_room) = (false, false);
                     }
                 }
             }
         }
         followed.is_complete &= is_whole;
-        is_whole.then_some(Record { words, volumes })
+        if is_whole { Ok(Record { words, volumes }) } else { Err(has_room) }
     }
 
     /// Where a volume lies, written there if it does not yet.
@@ -263,12 +281,12 @@ impl ForestBuffer {
         if !is_first && budget.is_none_or(|left| left < bytes) {
             return Room::Later;
         }
-        let Some(words) = volume.words() else { return Room::None(bytes) };
-        let count = words.len() as u32;
+        let count = volume.word_count() as u32;
         let Some(first) = self.gap(begin, count) else { return Room::None(bytes) };
+        let Some(words) = volume.words() else { return Room::None(bytes) };
         *budget = budget.and_then(|left| left.checked_sub(bytes));
         put(followed, first, &words);
-        let place = Place { _volume: Arc::clone(volume), first, words: count, used: self.frame };
+        let place = Place { _volume: Arc::downgrade(volume), first, words: count, used: self.frame };
         self.places.insert(address, place);
         Room::At(first)
     }
@@ -280,7 +298,7 @@ impl ForestBuffer {
         let mut taken: Vec<(u32, u32)> =
             self.places.values().map(|place| (place.first, place.words)).collect();
         taken.sort_unstable();
-        let end = u32::try_from(self.settings.bytes / 4).unwrap_or(u32::MAX);
+        let end = self.end();
         let mut first = begin;
         for (other, count) in taken {
             if other.checked_sub(first).is_some_and(|gap| gap >= words) {
@@ -289,6 +307,11 @@ impl ForestBuffer {
             first = other + count;
         }
         first.checked_add(words).is_some_and(|behind| behind <= end).then_some(first)
+    }
+
+    /// Words of the buffer.
+    fn end(&self) -> u32 {
+        u32::try_from(self.settings.bytes / 4).unwrap_or(u32::MAX)
     }
 
     /// Bytes that volumes take.

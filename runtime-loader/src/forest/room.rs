@@ -1,37 +1,46 @@
 //! Room for volumes: which yaws of which species have one within a budget.
 
-/// A species that is seen.
+/// A species that is seen, or was lately.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Wish {
     /// Bytes of a volume, as far as is known.
     pub bytes: u64,
     /// Yaws that plants ask for.
     pub yaws: u32,
-    /// How large it is in the picture.
+    /// How large it is in the picture; 0 where it is not seen any more.
     pub pixels: f32,
+    /// True of a species that has a volume.
+    pub has_some: bool,
 }
 
-/// Every how-manieth yaw of the species has a volume; `None` where a species has none. While light is faded there are
-/// two of each.
-pub(super) fn strides(wishes: &[Wish], yaws: u32, max_bytes: u64) -> Vec<Option<u32>> {
-    let bytes = |wish: &Wish, stride: u32| 2 * wish.bytes * u64::from(wish.yaws.min(yaws.div_ceil(stride)));
-    let mut stride = 1;
-    while stride < yaws {
-        if wishes.iter().map(|wish| bytes(wish, stride)).sum::<u64>() <= max_bytes {
-            return vec![Some(stride); wishes.len()];
-        }
-        stride *= 2;
-    }
-    // One volume each, and of those that are seen most.
+/// Factor on what is there over what would have to be made.
+const HELD: f32 = 1.5;
+
+/// Every how-manieth yaw has a volume, so that all fit; `None` where not even one of each does. While light is faded
+/// there are two of each.
+pub(super) fn stride(wishes: &[Wish], yaws: u32, max_bytes: u64) -> Option<u32> {
+    let fits = |stride: u32| wishes.iter().map(|wish| bytes(wish, yaws, stride)).sum::<u64>() <= max_bytes;
+    let strides = std::iter::successors(Some(1), |stride| (*stride < yaws).then_some(stride * 2));
+    strides.map(|stride| stride.min(yaws)).find(|stride| fits(*stride))
+}
+
+/// Which species have one volume each where not all do: those that are seen most. One that has a volume keeps it until
+/// another is seen half as much again.
+pub(super) fn chosen(wishes: &[Wish], yaws: u32, max_bytes: u64) -> Vec<bool> {
+    let worth = |wish: &Wish| wish.pixels * if wish.has_some { HELD } else { 1.0 };
     let mut order: Vec<usize> = (0..wishes.len()).collect();
-    order.sort_by(|a, b| wishes[*b].pixels.total_cmp(&wishes[*a].pixels));
-    let (mut found, mut left) = (vec![None; wishes.len()], max_bytes);
+    order.sort_by(|a, b| worth(&wishes[*b]).total_cmp(&worth(&wishes[*a])));
+    let (mut found, mut left) = (vec![false; wishes.len()], max_bytes);
     for number in order {
-        if let Some(rest) = left.checked_sub(bytes(&wishes[number], yaws)) {
-            (found[number], left) = (Some(yaws), rest);
+        if let Some(rest) = left.checked_sub(bytes(&wishes[number], yaws, yaws)) {
+            (found[number], left) = (true, rest);
         }
     }
     found
+}
+
+fn bytes(wish: &Wish, yaws: u32, stride: u32) -> u64 {
+    2 * wish.bytes * u64::from(wish.yaws.min(yaws.div_ceil(stride)))
 }
 
 /// The yaw with a volume that is nearest to one.
@@ -46,18 +55,24 @@ mod tests {
 
     #[test]
     fn fewer_yaws_have_volumes_before_species_go_without() {
-        let wish = |bytes, pixels| Wish { bytes, yaws: 16, pixels };
+        let wish = |bytes, pixels| Wish { bytes, yaws: 16, pixels, has_some: false };
         let two = [wish(1000, 5.0), wish(3000, 9.0)];
-        assert_eq!(strides(&two, 16, 128_000), [Some(1); 2]);
-        assert_eq!(strides(&two, 16, 127_999), [Some(2); 2]);
-        assert_eq!(strides(&two, 16, 16_000), [Some(8); 2]);
-        assert_eq!(strides(&two, 16, 8_000), [Some(16); 2]);
-        assert_eq!(strides(&two, 16, 7_999), [None, Some(16)]);
-        assert_eq!(strides(&two, 16, 2_500), [Some(16), None]);
-        assert_eq!(strides(&two, 16, 0), [None; 2]);
+        let of = |max_bytes| stride(&two, 16, max_bytes);
+        assert_eq!([128_000, 127_999, 16_000, 8_000].map(of), [1, 2, 8, 16].map(Some));
+        assert_eq!(of(7_999), None);
+        assert_eq!(chosen(&two, 16, 7_999), [false, true]);
+        assert_eq!(chosen(&two, 16, 2_500), [true, false]);
+        assert_eq!(chosen(&two, 16, 0), [false; 2]);
         // Yaws that no plant has take no room.
-        assert_eq!(strides(&[Wish { yaws: 2, ..wish(1000, 1.0) }], 16, 4_000), [Some(1)]);
-        assert_eq!(strides(&[], 16, 0), []);
+        assert_eq!(stride(&[Wish { yaws: 2, ..wish(1000, 1.0) }], 16, 4_000), Some(1));
+        assert_eq!(
+            (stride(&[], 16, 0), stride(&two[..1], 1, 2_000), stride(&two[..1], 3, 2_000)),
+            (Some(1), Some(1), Some(3))
+        );
+        // What is there stays until another is seen much more.
+        let held = |pixels| [Wish { has_some: true, ..wish(1000, 5.0) }, wish(1000, pixels)];
+        assert_eq!(chosen(&held(7.0), 16, 2_000), [true, false]);
+        assert_eq!(chosen(&held(8.0), 16, 2_000), [false, true]);
     }
 
     #[test]

@@ -76,10 +76,15 @@ impl Shown {
     pub(super) fn both(&self) -> [(Option<&Volumes>, f32); 2] {
         let of =
             |light: &'_ Option<(Arc<Volumes>, f32)>, share| light.as_ref().map(|(_, scale)| scale * share);
-        let before = if self.share < 1.0 { &self.before } else { &None };
+        let before = if self.now.is_some() && self.share < 1.0 { &self.before } else { &None };
         let now = (self.now.as_ref().map(|(now, _)| &**now), of(&self.now, self.share).unwrap_or_default());
         let factor = of(before, 1.0 - self.share).unwrap_or_default();
         [now, (before.as_ref().map(|(before, _)| &**before), factor)]
+    }
+
+    /// Whether the light of before still counts.
+    pub(super) fn is_fading(&self) -> bool {
+        self.now.is_some() && self.before.is_some() && self.share < 1.0
     }
 
     /// Share of the mean light beside the volumes.

@@ -51,13 +51,29 @@ impl Lit {
         species.shared().map_or(0, |shared| LightVolume::bytes_of(&shared.map, species.bands())) as u64
     }
 
+    /// Whether there are volumes of it.
+    pub(super) fn has_volumes(&self) -> bool {
+        self.now.is_some()
+    }
+
     /// Drops volumes but for those of every so manieth yaw, or all of them.
     pub(super) fn keep(&mut self, stride: Option<u32>) {
+        let asked = stride.map(|stride| self.asked(stride));
         for volumes in [&mut self.now, &mut self.before] {
             if let Some(all) = volumes.take() {
-                *volumes = stride.and_then(|stride| Volumes::kept(all, stride));
+                *volumes =
+                    stride.zip(asked.as_ref()).and_then(|(stride, asked)| Volumes::kept(all, stride, asked));
             }
         }
+        if self.now.is_none() {
+            self.before = None;
+        }
+    }
+
+    /// Yaws of which volumes are wanted, of every so manieth.
+    fn asked(&self, stride: u32) -> BTreeSet<u32> {
+        let used = (0..).zip(&self.used).filter(|(_, used)| **used > 0);
+        used.map(|(turn, _)| kept(turn, self.used.len() as u32, stride)).collect()
     }
 
     /// A frame passes.
@@ -87,9 +103,8 @@ impl Lit {
         }
         let now = self.now.as_ref().filter(|now| now.fits(day, settings.step_deg));
         // Those that can be made, and whether they would be better than what is there.
-        let used = (0..).zip(&self.used).filter(|(_, used)| **used > 0);
-        let asked: BTreeSet<u32> = used.map(|(turn, _)| kept(turn, settings.yaws, stride)).collect();
-        let turns: Vec<u32> = asked
+        let turns: Vec<u32> = self
+            .asked(stride)
             .into_iter()
             .filter(|turn| {
                 let level = lit_at(species, day, *turn, settings.yaws).level();

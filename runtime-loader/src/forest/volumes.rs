@@ -1,5 +1,6 @@
 //! Volumes of a species at some yaws under one daylight: how they are made, and which light they have.
 
+use std::collections::BTreeSet;
 use std::sync::Arc;
 
 use flb_format::Transform;
@@ -78,19 +79,17 @@ impl Volumes {
         Some(Volumes { day, nearest: nearest?, turns })
     }
 
-    /// Those of every so manieth yaw; `None` where none is left.
-    pub(super) fn kept(all: Arc<Volumes>, stride: u32) -> Option<Arc<Volumes>> {
-        let is_over = |(turn, turned): (usize, &Option<Turned>)| {
-            turned.is_some() && !turn.is_multiple_of(stride as usize)
-        };
-        if !all.turns.iter().enumerate().any(is_over) {
+    /// Those of every so manieth yaw, and of those that are asked for alone once all of these are there; `None` where
+    /// none is left.
+    pub(super) fn kept(all: Arc<Volumes>, stride: u32, asked: &BTreeSet<u32>) -> Option<Arc<Volumes>> {
+        let is_whole = asked.iter().all(|turn| all.turns[*turn as usize].is_some());
+        let stays = |turn: u32| if is_whole { asked.contains(&turn) } else { turn.is_multiple_of(stride) };
+        let there = (0..).zip(&all.turns).filter(|(_, turned)| turned.is_some());
+        if there.map(|(turn, _)| turn).all(stays) {
             return Some(all);
         }
-        let of = |(turn, turned): (usize, &Option<Turned>)| match turn.is_multiple_of(stride as usize) {
-            true => turned.clone(),
-            false => None,
-        };
-        let turns = all.turns.iter().enumerate().map(of).collect();
+        let of = |(turn, turned): (u32, &Option<Turned>)| turned.clone().filter(|_| stays(turn));
+        let turns = (0..).zip(&all.turns).map(of).collect();
         Volumes::of(Made { day: all.day, turns }, None).map(Arc::new)
     }
 

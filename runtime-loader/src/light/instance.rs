@@ -212,7 +212,7 @@ impl<'a> InstanceLight<'a> {
     /// Unit vector towards the sun in model space and the number of places that a point looks at for the near beam,
     /// where it marches for one. `None` where the near beam was found beforehand, and where the light needs none.
     pub fn marches(&self) -> Option<([f64; 3], usize)> {
-        let marches = self.terms.needs_near() && self.prepared.is_none() && self.species.sites().is_some();
+        let marches = self.terms.needs_near() && self.prepared.is_none() && self.species.matter_sites() > 0;
         marches.then(|| (self.terms.towards_sun(), self.offsets.count()))
     }
 

@@ -67,7 +67,8 @@ fn a_gpu_has_the_light_of_the_snapshot_while_the_sun_moves_and_plants_come_and_g
     let stands = [(0, 90.0), (0, 101.0), (1, 10.0), (2, 359.99), (2, 200.0)];
     let mut plants: Vec<PlantId> =
         stands.iter().map(|(species, yaw)| forest.add(&plant(*species, *yaw)).expect("a species")).collect();
-    // At first there is the mean light alone.
+    // Before the first frame there is nothing to follow, and at first the mean light alone.
+    assert_eq!(memory.follow(&forest), Followed::default());
     forest.frame(&camera(), &sun(100.0), Work::run);
     assert!(memory.follow(&forest).is_complete);
     assert_same(&memory, &forest, &plants);
@@ -148,6 +149,43 @@ fn a_frame_writes_no_more_than_it_may_and_what_is_read_is_not_written_over() {
     settle(&mut forest, &mut memory, &sun(250.0));
     assert!(places(&memory).iter().any(|first| before.contains(first)));
     assert_same(&memory, &forest, &plants);
+}
+
+#[test]
+fn a_buffer_too_small_for_two_suns_shows_the_mean_light_between_them_and_never_old_light() {
+    let mut forest = forest(ForestSettings { yaws: 4, ..quick() });
+    let plants = [0.0, 90.0, 180.0, 270.0].map(|yaw| forest.add(&plant(0, yaw)).expect("a species"));
+    settle(&mut forest, &mut Memory::new(settings()), &sun(100.0));
+    let snapshot = forest.snapshot();
+    let parts = snapshot.parts(plants[0]).expect("a plant");
+    let all = 4 * 4 * parts.volumes[0].0.word_count() as u64;
+    let tables = 4 * u64::from(HEAD + 3 * (SPECIES + 8) + PLANT * 64);
+    let mut memory = Memory::new(BufferSettings { bytes: tables + all * 3 / 2, ..settings() });
+    for azimuth_deg in [100.0, 150.0, 200.0] {
+        let frames = settle(&mut forest, &mut memory, &sun(azimuth_deg));
+        assert!(azimuth_deg == 100.0 || frames.iter().any(|frame| frame.lacking_bytes > 0));
+        assert!(frames[frames.len() - 1].is_complete, "{azimuth_deg}: {:?}", frames[frames.len() - 1]);
+        assert_same(&memory, &forest, &plants);
+    }
+}
+
+#[test]
+fn a_buffer_without_room_for_its_tables_is_not_written_and_frames_in_flight_are_one_at_least() {
+    let mut forest = forest(quick());
+    let ids = [0, 1, 2].map(|species| forest.add(&plant(species, 0.0)).expect("a species"));
+    forest.frame(&camera(), &sun(100.0), Work::run);
+    for (bytes, max_plants) in
+        [(0, 4), (100, 4), (1 << 20, u32::MAX), (4 * (u64::from(u32::MAX) + 9), u32::MAX)]
+    {
+        let mut buffer = ForestBuffer::new(BufferSettings { bytes, max_plants, ..settings() });
+        let followed = buffer.follow(&forest.snapshot(), |_, _| panic!("nothing is written"));
+        assert!(!followed.is_complete && followed.lacking_bytes > 0 && followed.plants_left_out == 3);
+    }
+    let mut memory = Memory::new(BufferSettings { frames_in_flight: 0, ..settings() });
+    for azimuth_deg in [100.0, 140.0, 180.0] {
+        settle(&mut forest, &mut memory, &sun(azimuth_deg));
+        assert_same(&memory, &forest, &ids);
+    }
 }
 
 #[test]
