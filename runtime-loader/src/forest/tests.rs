@@ -3,6 +3,7 @@ use std::sync::mpsc;
 use flb_format::sun::towards_sun;
 use flb_format::{Codec, Transform};
 
+use super::snapshot::Shown;
 use super::*;
 use crate::SpeciesLight;
 use crate::plants::{library_of_three, noise};
@@ -285,6 +286,59 @@ fn without_room_for_all_volumes_fewer_yaws_have_one_and_then_fewer_species() {
         "{left_out} {most} {all}"
     );
     assert_eq!(frames(0), (1, 3, 0));
+}
+
+#[test]
+fn volumes_stay_while_a_camera_turns_to_and_fro() {
+    // Two species, one on each side: room for all yaws of one, and for half of those of both.
+    let stands = |number: u32, species: usize| {
+        let x = if species == 0 { -20.0 } else { 20.0 };
+        let transform = Transform::from_yaw([x, 0.0, 2.0 * f64::from(number)], 45.0 * f64::from(number), 1.0);
+        Placement { species, transform }
+    };
+    let turned = |frame: u32| {
+        // Both are seen in every fourth part of the time.
+        let x = [-1.0, 0.0, 1.0, 0.0][frame as usize / 10 % 4];
+        let up = libm::sqrtf(1.0 - x * x);
+        Camera { position_m: [0.0, 2.0, 40.0], forward: [x, 0.0, -up], fov_deg: 80.0, ..camera() }
+    };
+    let run = |max_volume_bytes: u64| {
+        let mut forest = forest(ForestSettings { max_volume_bytes, ..quick() });
+        for number in 0..8 {
+            forest.add(&stands(number, 0)).expect("a species");
+            forest.add(&stands(number, 1)).expect("a species");
+        }
+        let (mut early, mut late, mut most) = (0, 0, 0);
+        for frame in 0..600 {
+            let report = forest.frame(&turned(frame), &DAY, |work| {
+                *if frame < 200 { &mut early } else { &mut late } += usize::from(work.is_light());
+                work.run();
+            });
+            most = most.max(report.volume_bytes as u64);
+        }
+        (early, late, most)
+    };
+    let (early, late, all) = run(u64::MAX);
+    assert!(early > 0 && late == 0, "{early} {late}");
+    for room in [all, all + all / 2, 2 * all, all / 3] {
+        let (early, late, most) = run(room);
+        assert!(early > 0 && late == 0 && most <= room, "{room} of {all}: {early} {late} {most}");
+    }
+}
+
+#[test]
+fn light_of_before_counts_beside_that_of_now_alone() {
+    let mut forest = forest(quick());
+    let id = forest.add(&plant(0, 45.0)).expect("a species");
+    settle(&mut forest, &DAY);
+    let snapshot = forest.snapshot();
+    let Shown { now, mean, yaws, .. } = &snapshot.species[0];
+    assert!(now.is_some() && mean.iter().all(|band| *band > 0.0));
+    // Volumes of now that were dropped leave the mean light, however far the light of before was faded.
+    let shown = Shown { now: None, before: now.clone(), share: 0.3, mean: mean.clone(), yaws: *yaws };
+    let dropped = Snapshot { plants: Arc::clone(&snapshot.plants), species: vec![shown] };
+    assert!(light(&dropped, id).iter().all(|rgb| rgb[..] == mean[..]));
+    assert!(dropped.parts(id).expect("a plant").volumes.is_empty());
 }
 
 /// A camera and a sun fly through 200 plants that come and go, within memory of all sizes.
