@@ -19,7 +19,7 @@ const uint FLB_SPECIES_REST = 3u;
 const uint FLB_SPECIES_VOLUMES = 8u;
 const uint FLB_PLANT = 2u;
 
-layout(std430) readonly buffer type_2_block_0Fragment { uint _group_0_binding_0_fs[]; };
+layout(std430, binding = 0) readonly buffer type_2_block_0Fragment { uint _group_0_binding_0_fs[]; };
 
 layout(location = 0) smooth in vec3 _vs2fs_location0;
 layout(location = 0) out vec4 _fs2p_location0;

@@ -48,7 +48,9 @@ fn in_glsl() -> String {
         return vec4<f32>(flb_light(0u, 0u, point_m), 1.0);
     }";
     let (module, info) = module(&format!("{WGSL}{asks}"));
-    let options = glsl::Options { version: glsl::Version::Desktop(450), ..Default::default() };
+    // Vulkan's GLSL wants a binding.
+    let binding_map = [(naga::ResourceBinding { group: 0, binding: 0 }, 0)].into();
+    let options = glsl::Options { version: glsl::Version::Desktop(450), binding_map, ..Default::default() };
     let pipeline = glsl::PipelineOptions {
         shader_stage: naga::ShaderStage::Fragment,
         entry_point: "main".to_owned(),
