@@ -30,7 +30,7 @@ const SHADER: &str = "
 @compute @workgroup_size(64)
 fn main(@builtin(global_invocation_id) at: vec3<u32>) {
     if at.x < arrayLength(&plants) {
-        light[at.x] = vec4<f32>(flb_light(0u, plants[at.x], vec3<f32>(0.2, 0.8, 0.1)), 1.0);
+        light[at.x] = vec4<f32>(flb_light(0u, plants[at.x], POINT_M), 1.0);
     }
 }
 ";
@@ -110,7 +110,9 @@ impl Gpu {
         let instance = wgpu::Instance::default();
         let adapter = pollster::block_on(instance.request_adapter(&wgpu::RequestAdapterOptions::default()))?;
         let (device, queue) = pollster::block_on(adapter.request_device(&wgpu::DeviceDescriptor::default()))?;
-        let source = wgpu::ShaderSource::Wgsl((volume_words::WGSL.to_owned() + SHADER).into());
+        let [x, y, z] = POINT_M;
+        let point = format!("const POINT_M = vec3<f32>({x:?}, {y:?}, {z:?});\n");
+        let source = wgpu::ShaderSource::Wgsl((volume_words::WGSL.to_owned() + &point + SHADER).into());
         let module = device.create_shader_module(wgpu::ShaderModuleDescriptor { label: None, source });
         let pipeline = device.create_compute_pipeline(&wgpu::ComputePipelineDescriptor {
             label: None,

@@ -389,8 +389,8 @@ pub(crate) struct DoctorArgs {
 mod tests {
     use clap::CommandFactory;
     use flb_baker::crown::LeafAngleChoice;
-    use flb_format::Codec;
     use flb_format::light::FieldKind;
+    use flb_format::{Codec, Purpose};
     use flb_transport::ordinates::NamedSuns;
 
     use super::*;
@@ -414,7 +414,7 @@ mod tests {
         check(|angles: &LeafAngleChoice| angles.name());
         check(|plant: &PlantKind| plant.name());
         check(|quality: &Quality| quality.name());
-        check(|purpose: &flb_format::Purpose| purpose.name());
+        check(|purpose: &Purpose| purpose.name());
         check(|suns: &NamedSuns| suns.name());
         check(|up: &Up| up.name());
         let named = |level: &Level| Level::ALL.into_iter().find(|(of, _)| of == level);

@@ -269,7 +269,7 @@ impl Forest {
             quality: frame.quality,
             in_flight: self.in_flight,
             loaded_bytes: self.stage.resident().size_bytes(),
-            volume_bytes: self.volume_bytes(),
+            volume_bytes: self.species.iter().map(Lit::size_bytes).sum(),
             yaws: self.settings.yaws.div_ceil(self.stride),
             species_left_out: strides
                 .iter()
@@ -278,10 +278,6 @@ impl Forest {
                 .count() as u32,
             is_final: frame.is_final && is_lit,
         }
-    }
-
-    fn volume_bytes(&self) -> usize {
-        self.species.iter().map(Lit::size_bytes).sum()
     }
 
     /// Of each species that is seen, every how-manieth yaw has a volume; `None` of others, and where there is no room.

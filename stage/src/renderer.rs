@@ -179,9 +179,9 @@ impl<'s> SceneRenderer<'s> {
         let placements = &self.stage.scene.instances;
         let find = |dome| Step::Sky.run(observer, &subject, |_| light::skies(beams, placements, dome));
         let skies = lighting.dome.as_ref().map(find).transpose()?;
-        let lit = light::of_plants(light, skies.as_ref(), placements, lighting, shade, view.samples)?;
-        let points = fragments.on_plants(placements.len());
-        let lit = Step::Prepare.run(observer, &subject, |_| suns::prepare(light, placements, lit, &points));
+        let lit = Step::Prepare.run(observer, &subject, |_| {
+            suns::of_picture(light, skies.as_ref(), placements, lighting, shade, fragments)
+        })?;
         let cursors = LightCursors::new(&lit);
         let light = |LightQuery { instance, point, facing }: LightQuery, phi: &mut [f32; 3]| {
             cursors.at_facing(instance as usize, point, facing, phi);

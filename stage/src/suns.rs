@@ -5,8 +5,13 @@ use std::collections::BTreeMap;
 
 use flb_format::Placement;
 use flb_format::beam::Near;
-use flb_runtime::{InstanceLight, SpeciesLight};
+use flb_render::Lighting;
+use flb_render::forest::Fragments;
+use flb_runtime::scene_light::SceneLightAtSun;
+use flb_runtime::{InstanceLight, RuntimeError, SpeciesLight};
 use rayon::prelude::*;
+
+use crate::light::{Skies, of_plants};
 
 /// Nanoseconds of a march from a point along the sun, and of a site: of the sums that all suns share, and of a sun.
 /// Only their ratios count (`cargo bench -p flb-tests --bench rings -- oak 80000 128`).
@@ -31,9 +36,21 @@ struct Alike {
 /// A plant and its light.
 type Plant<'l> = (usize, InstanceLight<'l>);
 
-/// Prepares suns where that costs less than the marches of a picture of so many rays a pixel, of which `points[plant]`
-/// meet each plant.
-pub(crate) fn prepare<'l>(
+/// `[plant]`: its light by day ([`of_plants`]) in a picture of fragments.
+pub(crate) fn of_picture<'l>(
+    light: &'l [Option<SpeciesLight<'_>>],
+    skies: Option<&'l Skies<'l>>,
+    placements: &[Placement],
+    lighting: &Lighting,
+    shade: Option<&'l SceneLightAtSun<'l>>,
+    fragments: &Fragments,
+) -> Result<Vec<Option<InstanceLight<'l>>>, RuntimeError> {
+    let lit = of_plants(light, skies, placements, lighting, shade, fragments.view().samples)?;
+    Ok(prepare(light, placements, lit, &fragments.on_plants(placements.len())))
+}
+
+/// Prepares suns where that costs less than the marches of a picture, of whose rays `points[plant]` meet each plant.
+fn prepare<'l>(
     light: &'l [Option<SpeciesLight<'_>>],
     placements: &[Placement],
     mut lit: Vec<Option<InstanceLight<'l>>>,
@@ -119,10 +136,8 @@ mod tests {
 
     use flb_format::Transform;
     use flb_format::light::SunBasis;
-    use flb_render::Lighting;
 
     use super::*;
-    use crate::light::of_plants;
     use crate::tests::{SUN_DEG, stand_of};
 
     #[test]

@@ -89,15 +89,15 @@ fn main() {
         let offset_m = library.container().species()[0].meta.solid_offset_m();
         let asked = truth.asked(offset_m.map(|offset_m| offset_m as f32));
         let species = SpeciesLight::load(&library, 0).expect("a sound file");
-        let near = species.near();
+        let near = species.near().expect("suns of harmonics");
         let days: Vec<Daylight> = suns
             .iter()
             .map(|sun| Daylight { towards_sun: *sun, sun: 1.0, sky: 0.0 })
             .chain([Daylight { towards_sun: [0.0, 1.0, 0.0], sun: 0.0, sky: 1.0 }])
             .collect();
         let lit = |day: &Daylight| species.lit_by_in_model(day).expect("a direction");
-        let prepared = |day: &Daylight| lit(day).prepared_by(near.as_ref());
-        let fields = species.field_volume();
+        let prepared = |day: &Daylight| lit(day).prepared_by(Some(&near));
+        let fields = species.field_volume().expect("blocks near geometry");
         let volumes: Vec<LightVolume> = days.iter().filter_map(|day| prepared(day).volume()).collect();
         let file = species.size_bytes();
         let mut ring_bytes = 0;
@@ -105,24 +105,17 @@ fn main() {
             .iter()
             .map(|day| {
                 let mut rings = SunRings::default();
-                for step in SunRings::steps(day.towards_sun) {
-                    let ring = near.as_ref().filter(|_| day.sun > 0.0);
-                    if let Some(ring) = ring.and_then(|near| species.sun_ring(near, step)) {
-                        rings.insert(step, Arc::new(ring));
-                    }
+                for step in SunRings::steps(day.towards_sun).into_iter().filter(|_| day.sun > 0.0) {
+                    let ring = species.sun_ring(&near, step).expect("suns of harmonics");
+                    rings.insert(step, Arc::new(ring));
                 }
                 ring_bytes = ring_bytes.max(rings.size_bytes());
-                let lit = lit(day).with_rings(&rings);
-                match &fields {
-                    Some(fields) => lit.with_fields(fields),
-                    None => lit,
-                }
+                lit(day).with_rings(&rings).with_fields(&fields)
             })
             .collect();
-        let field_bytes = fields.as_ref().map_or(0, |fields| fields.size_bytes());
         let ways = [
             way("marches", file, days.iter().map(lit).collect()),
-            way("rings and fields", ring_bytes + field_bytes, by_rings),
+            way("rings and fields", ring_bytes + fields.size_bytes(), by_rings),
             Way {
                 name: "a volume",
                 bytes: volumes.iter().map(LightVolume::size_bytes).max().unwrap_or_default(),

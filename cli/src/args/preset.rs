@@ -95,7 +95,7 @@ pub(super) fn purposes() -> String {
         format!("{purpose}: --quality {} --lattice {lattice}", purpose.quality())
     };
     let all: Vec<String> = Purpose::ALL.into_iter().map(of).collect();
-    format!("What the file is for, in place of --quality. {}", all.join("; "))
+    format!("Choose settings by what the file is for, in place of --quality: {}", all.join("; "))
 }
 
 #[cfg(test)]

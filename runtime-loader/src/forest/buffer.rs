@@ -113,12 +113,31 @@ struct Place {
     used: u64,
 }
 
-/// What became of a volume that is to be placed.
-enum Room {
-    At(u32),
+/// What became of a volume, or of all of a species, that is to be placed.
+enum Placed<T> {
+    There(T),
     /// There is room, with the next frames.
     Later,
-    None(u64),
+    NoRoom,
+}
+
+/// A frame's writes.
+struct Writes<W> {
+    write: W,
+    followed: Followed,
+    /// Bytes of volumes that may still be written.
+    left_bytes: u64,
+    /// Whether a volume was written: the first one may always be.
+    has_volume: bool,
+}
+
+impl<W: FnMut(u64, &[u32])> Writes<W> {
+    fn put(&mut self, first: u32, words: &[u32]) {
+        if !words.is_empty() {
+            self.followed.written_bytes += 4 * words.len() as u64;
+            (self.write)(4 * u64::from(first), words);
+        }
+    }
 }
 
 impl ForestBuffer {
@@ -136,77 +155,74 @@ impl ForestBuffer {
 
     /// Makes the buffer follow a snapshot of the forest: calls `write` with an offset in bytes and the words to be
     /// written there, of the machine's byte order, before what draws the frame. The first frame writes all tables.
-    pub fn follow(&mut self, snapshot: &Snapshot, mut write: impl FnMut(u64, &[u32])) -> Followed {
+    pub fn follow(&mut self, snapshot: &Snapshot, write: impl FnMut(u64, &[u32])) -> Followed {
         self.frame += 1;
         if snapshot.species.is_empty() {
             // Before the forest's first frame.
             return Followed::default();
         }
-        let mut followed = Followed { is_complete: true, ..Followed::default() };
-        let mut put = |followed: &mut Followed, first: u32, words: &[u32]| {
-            if !words.is_empty() {
-                followed.written_bytes += 4 * words.len() as u64;
-                write(4 * u64::from(first), words);
-            }
-        };
-        let firsts = firsts(snapshot);
-        let plants = firsts.last().copied().unwrap_or(HEAD);
+        let (firsts, plants) = firsts(snapshot);
         let tables = u64::from(plants) + u64::from(PLANT) * u64::from(self.settings.max_plants);
         let Some(volumes) = u32::try_from(tables).ok().filter(|words| *words <= self.end()) else {
             // Not even the tables have room: nothing is written.
             let lacking_bytes = 4 * (tables - u64::from(self.end()).min(tables));
-            let plants_left_out = snapshot.plants.iter().filter(|plant| plant.is_there()).count() as u32;
+            let plants_left_out = there(&snapshot.plants);
             return Followed { lacking_bytes, plants_left_out, ..Followed::default() };
+        };
+        let mut writes = Writes {
+            write,
+            followed: Followed { is_complete: true, ..Followed::default() },
+            left_bytes: self.settings.max_upload_bytes,
+            has_volume: false,
         };
         if self.written != Some(plants) {
             self.species.clear();
             self.places.clear();
             self.plants = Arc::default();
-            put(&mut followed, 0, &[VERSION, plants, self.settings.max_plants, 0]);
-            put(&mut followed, plants, &vec![0; (PLANT * self.settings.max_plants) as usize]);
+            writes.put(0, &[VERSION, plants, self.settings.max_plants, 0]);
+            writes.put(plants, &vec![0; (PLANT * self.settings.max_plants) as usize]);
         }
-        let mut budget = Some(self.settings.max_upload_bytes);
-        for (number, shown) in snapshot.species.iter().enumerate() {
-            let placed = self.place(shown, volumes, &mut budget, &mut followed, &mut put);
+        for (number, (shown, first)) in snapshot.species.iter().zip(&firsts).enumerate() {
+            let placed = self.place(shown, volumes, &mut writes);
             let known = self.species.get(number);
             let record = match (placed, known) {
-                (Ok(record), _) => record,
-                // While it is faded, or more comes, what was there goes on; without room it would stay for ever.
-                (Err(has_room), Some(known)) if has_room || shown.is_fading() => known.clone(),
-                (Err(_), _) => Record { words: beside(shown, 1.0), volumes: Vec::new() },
+                (Placed::There(record), _) => record,
+                // What was there goes on until all is; without room, until it is faded out: it would stay for ever.
+                (Placed::Later, Some(known)) => known.clone(),
+                (Placed::NoRoom, Some(known)) if shown.is_fading() => known.clone(),
+                _ => Record { words: species_words(shown, 1.0), volumes: Vec::new() },
             };
             for volume in &record.volumes {
                 self.places.get_mut(volume).expect("it was placed").used = self.frame;
             }
             if known != Some(&record) {
-                put(&mut followed, firsts[number], &record.words);
+                writes.put(*first, &record.words);
             }
             match self.species.get_mut(number) {
                 Some(known) => *known = record,
                 None => self.species.push(record),
             }
         }
-        self.write_plants(snapshot, &firsts, &mut followed, &mut put);
+        self.write_plants(snapshot, &firsts, plants, &mut writes);
         self.written = Some(plants);
-        followed.is_complete &= followed.plants_left_out == 0;
-        followed
+        writes.followed
     }
 
-    /// Writes the plants that have changed.
-    fn write_plants(
+    /// Writes the plants that have changed; `first` is where they begin.
+    fn write_plants<W: FnMut(u64, &[u32])>(
         &mut self,
         snapshot: &Snapshot,
         firsts: &[u32],
-        followed: &mut Followed,
-        put: &mut impl FnMut(&mut Followed, u32, &[u32]),
+        first: u32,
+        writes: &mut Writes<W>,
     ) {
-        let room = self.settings.max_plants as usize;
-        let there = |plants: &[Plant]| plants.iter().skip(room).filter(|plant| plant.is_there()).count();
-        followed.plants_left_out = there(&snapshot.plants) as u32;
+        let room = snapshot.plants.len().min(self.settings.max_plants as usize);
+        let (within, beyond) = snapshot.plants.split_at(room);
+        writes.followed.plants_left_out = there(beyond);
+        writes.followed.is_complete &= writes.followed.plants_left_out == 0;
         if Arc::ptr_eq(&self.plants, &snapshot.plants) {
             return;
         }
-        let first = firsts.last().copied().unwrap_or(HEAD);
         let words = |plant: &Plant| match plant.is_there() {
             true => {
                 let share = (plant.turn.share * 65_536.0).min(65_535.0) as u32;
@@ -214,81 +230,76 @@ impl ForestBuffer {
             }
             false => [0; 2],
         };
-        let now: Vec<[u32; 2]> = snapshot.plants.iter().take(room).map(words).collect();
+        let now: Vec<[u32; 2]> = within.iter().map(words).collect();
         let old = |slot: usize| self.plants.get(slot).map_or([0; 2], words);
         let mut slot = 0;
         while slot < now.len() {
             let end = (slot..now.len()).find(|slot| now[*slot] == old(*slot)).unwrap_or(now.len());
-            put(followed, first + PLANT * slot as u32, now[slot..end].as_flattened());
+            writes.put(first + PLANT * slot as u32, now[slot..end].as_flattened());
             slot = end + 1;
         }
         self.plants = Arc::clone(&snapshot.plants);
     }
 
-    /// A species with all of its volumes in their places; else whether there is room for all of them.
-    fn place(
+    /// A species with all of its volumes in their places, which begin at a word.
+    fn place<W: FnMut(u64, &[u32])>(
         &mut self,
         shown: &Shown,
         begin: u32,
-        budget: &mut Option<u64>,
-        followed: &mut Followed,
-        put: &mut impl FnMut(&mut Followed, u32, &[u32]),
-    ) -> Result<Record, bool> {
+        writes: &mut Writes<W>,
+    ) -> Placed<Record> {
         let (mut volumes, mut is_whole, mut has_room) = (Vec::new(), true, true);
-        let yaws = shown.yaws;
-        let mut words = beside(shown, shown.rest());
-        words[0] = yaws;
-        words.resize((SPECIES + 2 * yaws) as usize, 0);
-        for (place, (light, factor)) in shown.both().into_iter().enumerate() {
-            words[1 + place] = factor.to_bits();
-            let Some(light) = light.filter(|_| factor != 0.0) else { continue };
-            for yaw in 0..yaws {
+        let mut words = species_words(shown, shown.rest());
+        for (age, light) in shown.both().into_iter().enumerate() {
+            let Some((light, factor)) = light.filter(|(_, factor)| *factor != 0.0) else { continue };
+            words[1 + age] = factor.to_bits();
+            for yaw in 0..shown.yaws {
                 let Some(volume) = light.at_yaw(yaw) else { continue };
-                match self.room(volume, begin, budget, followed, put) {
-                    Room::At(first) => {
-                        words[(SPECIES + 2 * yaw) as usize + place] = first;
+                match self.place_volume(volume, begin, writes) {
+                    Placed::There(first) => {
+                        words[(SPECIES + 2 * yaw) as usize + age] = first;
                         volumes.push(Arc::as_ptr(volume).addr());
                     }
-                    Room::Later => is_whole = false,
-                    Room::None(bytes) => {
-                        followed.lacking_bytes += bytes;
-                        (is_whole, has_room) = (false, false);
-                    }
+                    Placed::Later => is_whole = false,
+                    Placed::NoRoom => has_room = false,
                 }
             }
         }
-        followed.is_complete &= is_whole;
-        if is_whole { Ok(Record { words, volumes }) } else { Err(has_room) }
+        writes.followed.is_complete &= is_whole && has_room;
+        match (has_room, is_whole) {
+            (false, _) => Placed::NoRoom,
+            (true, false) => Placed::Later,
+            (true, true) => Placed::There(Record { words, volumes }),
+        }
     }
 
     /// Where a volume lies, written there if it does not yet.
-    fn room(
+    fn place_volume<W: FnMut(u64, &[u32])>(
         &mut self,
         volume: &Arc<LightVolume>,
         begin: u32,
-        budget: &mut Option<u64>,
-        followed: &mut Followed,
-        put: &mut impl FnMut(&mut Followed, u32, &[u32]),
-    ) -> Room {
+        writes: &mut Writes<W>,
+    ) -> Placed<u32> {
         let address = Arc::as_ptr(volume).addr();
         if let Some(place) = self.places.get_mut(&address) {
             place.used = self.frame;
-            return Room::At(place.first);
-        }
-        // The first one of a frame always goes.
-        let is_first = *budget == Some(self.settings.max_upload_bytes);
-        let bytes = 4 * volume.word_count() as u64;
-        if !is_first && budget.is_none_or(|left| left < bytes) {
-            return Room::Later;
+            return Placed::There(place.first);
         }
         let count = volume.word_count() as u32;
-        let Some(first) = self.gap(begin, count) else { return Room::None(bytes) };
-        let Some(words) = volume.words() else { return Room::None(bytes) };
-        *budget = budget.and_then(|left| left.checked_sub(bytes));
-        put(followed, first, &words);
+        let bytes = 4 * u64::from(count);
+        if writes.has_volume && writes.left_bytes < bytes {
+            return Placed::Later;
+        }
+        let placed = self.gap(begin, count).and_then(|first| Some((first, volume.words()?)));
+        let Some((first, words)) = placed else {
+            writes.followed.lacking_bytes += bytes;
+            return Placed::NoRoom;
+        };
+        (writes.left_bytes, writes.has_volume) = (writes.left_bytes.saturating_sub(bytes), true);
+        writes.put(first, &words);
         let place = Place { _volume: Arc::downgrade(volume), first, words: count, used: self.frame };
         self.places.insert(address, place);
-        Room::At(first)
+        Placed::There(first)
     }
 
     /// The first gap of so many words; what no frame reads any more makes room.
@@ -327,25 +338,30 @@ impl PlantId {
     }
 }
 
-/// Where species begin, and last where they end.
-fn firsts(snapshot: &Snapshot) -> Vec<u32> {
-    let mut first = HEAD;
-    let mut firsts = vec![first];
-    for shown in &snapshot.species {
-        first += SPECIES + 2 * shown.yaws;
-        firsts.push(first);
-    }
-    firsts
+/// Where each species begins, and where plants do behind them.
+fn firsts(snapshot: &Snapshot) -> (Vec<u32>, u32) {
+    let mut next = HEAD;
+    let begin = |shown: &Shown| {
+        let first = next;
+        next += SPECIES + 2 * shown.yaws;
+        first
+    };
+    let firsts = snapshot.species.iter().map(begin).collect();
+    (firsts, next)
 }
 
-/// Head of a species with a share of its mean light.
-fn beside(shown: &Shown, share: f32) -> Vec<u32> {
-    let mut words = vec![0; SPECIES as usize];
+/// Plants that are there.
+fn there(plants: &[Plant]) -> u32 {
+    plants.iter().filter(|plant| plant.is_there()).count() as u32
+}
+
+/// Words of a species without volumes, with a share of its mean light.
+fn species_words(shown: &Shown, share: f32) -> Vec<u32> {
+    let mut words = vec![0; (SPECIES + 2 * shown.yaws) as usize];
     words[0] = shown.yaws;
     for (word, mean) in words[3..3 + RGB].iter_mut().zip(&shown.mean) {
         *word = (share * mean).to_bits();
     }
-    words.resize((SPECIES + 2 * shown.yaws) as usize, 0);
     words
 }
 

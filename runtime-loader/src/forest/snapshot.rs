@@ -72,14 +72,13 @@ impl Snapshot {
 }
 
 impl Shown {
-    /// Volumes with their factors.
-    pub(super) fn both(&self) -> [(Option<&Volumes>, f32); 2] {
-        let of =
-            |light: &'_ Option<(Arc<Volumes>, f32)>, share| light.as_ref().map(|(_, scale)| scale * share);
-        let before = if self.now.is_some() && self.share < 1.0 { &self.before } else { &None };
-        let now = (self.now.as_ref().map(|(now, _)| &**now), of(&self.now, self.share).unwrap_or_default());
-        let factor = of(before, 1.0 - self.share).unwrap_or_default();
-        [now, (before.as_ref().map(|(before, _)| &**before), factor)]
+    /// Volumes that are shown with their factor, and those before them while these still count.
+    pub(super) fn both(&self) -> [Option<(&Volumes, f32)>; 2] {
+        fn part(light: Option<&(Arc<Volumes>, f32)>, share: f32) -> Option<(&Volumes, f32)> {
+            light.map(|(volumes, scale)| (&**volumes, scale * share))
+        }
+        let before = self.before.as_ref().filter(|_| self.is_fading());
+        [part(self.now.as_ref(), self.share), part(before, 1.0 - self.share)]
     }
 
     /// Whether the light of before still counts.
@@ -98,10 +97,8 @@ impl Shown {
 
     /// Tells the volumes of a plant with their factors; the share of the mean light beside them.
     fn tell<'s>(&'s self, plant: &Plant, mut tell: impl FnMut(&'s Arc<LightVolume>, f32)) -> f32 {
-        for (light, factor) in self.both() {
-            if let Some(light) = light {
-                light.tell(plant, factor, &mut tell);
-            }
+        for (volumes, factor) in self.both().into_iter().flatten() {
+            volumes.tell(plant, factor, &mut tell);
         }
         self.rest()
     }

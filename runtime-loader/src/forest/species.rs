@@ -58,16 +58,14 @@ impl Lit {
 
     /// Drops volumes but for those of every so manieth yaw, or all of them.
     pub(super) fn keep(&mut self, stride: Option<u32>) {
-        let asked = stride.map(|stride| self.asked(stride));
-        for volumes in [&mut self.now, &mut self.before] {
-            if let Some(all) = volumes.take() {
-                *volumes =
-                    stride.zip(asked.as_ref()).and_then(|(stride, asked)| Volumes::kept(all, stride, asked));
-            }
-        }
-        if self.now.is_none() {
-            self.before = None;
-        }
+        let Some(stride) = stride.filter(|_| self.has_volumes()) else {
+            (self.now, self.before) = (None, None);
+            return;
+        };
+        let asked = self.asked(stride);
+        let kept = |volumes: Option<Arc<Volumes>>| Volumes::kept(volumes?, stride, &asked);
+        self.now = kept(self.now.take());
+        self.before = kept(self.before.take()).filter(|_| self.now.is_some());
     }
 
     /// Yaws of which volumes are wanted, of every so manieth.

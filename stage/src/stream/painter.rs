@@ -417,10 +417,9 @@ impl<'s> Painter<'s> {
         let resident = self.resident(&self.streamed);
         let lights = streamed(&resident);
         let shade = self.neighbours.as_ref().and_then(Neighbours::shade);
-        let (placements, rays) = (&self.stage.scene.instances[..], fragments.view().samples);
+        let placements = &self.stage.scene.instances[..];
         let skies = self.skies(lighting)?;
-        let now = light::of_plants(&lights, skies.as_ref(), placements, lighting, shade, rays)?;
-        let now = suns::prepare(&lights, placements, now, &fragments.on_plants(placements.len()));
+        let now = suns::of_picture(&lights, skies.as_ref(), placements, lighting, shade, fragments)?;
         let cursors = LightCursors::new(&now);
         let light = |LightQuery { instance, point, facing }: LightQuery, phi: &mut [f32; 3]| {
             cursors.at_facing(instance as usize, point, facing, phi);
