@@ -1,6 +1,12 @@
 #version 450 core
 // Made from src/light/volume/volume.wgsl by naga; FLB_WRITE_SHADERS=1 cargo test -p flb-runtime
 #extension GL_ARB_shader_storage_buffer_object : require
+struct FlbCells {
+    uvec2 rows;
+    uvec2 yaws;
+    float second_row;
+    float second_yaw;
+};
 const uint FLB_VOLUME_LATTICE = 1u;
 const uint FLB_VOLUME_MIDDLE = 2u;
 const uint FLB_VOLUME_SITES_PER_M = 5u;
@@ -16,8 +22,17 @@ const uint FLB_FOREST_PLANTS = 1u;
 const uint FLB_FOREST_MAX_PLANTS = 2u;
 const uint FLB_SPECIES_FACTOR = 1u;
 const uint FLB_SPECIES_REST = 3u;
-const uint FLB_SPECIES_VOLUMES = 8u;
-const uint FLB_PLANT = 2u;
+const uint FLB_SPECIES_STEP_DEG = 6u;
+const uint FLB_SPECIES_SUNS = 8u;
+const uint FLB_SPECIES_VOLUMES = 24u;
+const uint FLB_SUN = 8u;
+const uint FLB_SUN_AZIMUTH = 3u;
+const uint FLB_SUN_ELEVATION = 4u;
+const uint FLB_SUN_OWN_ROW = 5u;
+const uint FLB_SUN_TOP_ROW = 6u;
+const uint FLB_SUN_STRIDE = 7u;
+const uint FLB_PLANT = 4u;
+const uint FLB_PLANT_TILTED = 2147483648u;
 
 layout(std430, binding = 0) readonly buffer type_2_block_0Fragment { uint _group_0_binding_0_fs[]; };
 
@@ -172,64 +187,141 @@ vec3 flb_volume(uint volume_1, vec3 point_m_1) {
     return max(_e157, vec3(least));
 }
 
+float flb_share(float share) {
+    return ((share > 0.999) ? 1.0 : ((share >= 0.001) ? share : 0.0));
+}
+
+FlbCells flb_cells(uint record, uint species, uint sun) {
+    float turn = 0.0;
+    uvec2 rows = uvec2(0u);
+    float second_row = 0.0;
+    float azimuth_deg = 0.0;
+    uint yaws = _group_0_binding_0_fs[species];
+    uint own = _group_0_binding_0_fs[(sun + FLB_SUN_OWN_ROW)];
+    uint stride = _group_0_binding_0_fs[(sun + FLB_SUN_STRIDE)];
+    uint _e20 = _group_0_binding_0_fs[(record + 1u)];
+    turn = uintBitsToFloat(_e20);
+    rows = uvec2(own);
+    uint _e29 = _group_0_binding_0_fs[record];
+    if ((_e29 >= FLB_PLANT_TILTED)) {
+        vec3 _e34 = flb_volume_floats((record + 1u));
+        float w = sqrt(max(0.0, (1.0 - dot(_e34, _e34))));
+        vec3 _e41 = flb_volume_floats(sun);
+        vec3 once = cross(_e34, _e41);
+        vec3 seen = (_e41 + (2.0 * (cross(_e34, once) - (w * once))));
+        float across = length(seen.xz);
+        if ((across > 0.0)) {
+            azimuth_deg = degrees(atan(seen.x, -(seen.z)));
+        }
+        float elevation_deg = degrees(atan(seen.y, max(across, 1e-9)));
+        uint _e69 = _group_0_binding_0_fs[(sun + FLB_SUN_AZIMUTH)];
+        float sun_azimuth_deg = uintBitsToFloat(_e69);
+        float _e71 = azimuth_deg;
+        turn = ((((sun_azimuth_deg - _e71) / 360.0) + 2.0) * float(yaws));
+        float _e79 = turn;
+        float _e80 = turn;
+        turn = (_e79 - (floor((_e80 / float(yaws))) * float(yaws)));
+        uint _e91 = _group_0_binding_0_fs[(sun + FLB_SUN_ELEVATION)];
+        float sun_deg = uintBitsToFloat(_e91);
+        uint _e97 = _group_0_binding_0_fs[(species + FLB_SPECIES_STEP_DEG)];
+        float step_deg = uintBitsToFloat(_e97);
+        float wide = float(stride);
+        float low_1 = (float(own) + (floor(((elevation_deg - sun_deg) / (step_deg * wide))) * wide));
+        uint _e115 = _group_0_binding_0_fs[(sun + FLB_SUN_TOP_ROW)];
+        vec2 between = clamp(vec2(low_1, (low_1 + wide)), vec2(0.0), vec2(float(_e115)));
+        vec2 heights_deg = clamp((vec2(sun_deg) + ((between - vec2(float(own))) * step_deg)), vec2(-90.0), vec2(90.0));
+        rows = uvec2(between);
+        float _e139 = flb_share(((elevation_deg - heights_deg.x) / max((heights_deg.y - heights_deg.x), 0.001)));
+        second_row = _e139;
+    }
+    float _e140 = turn;
+    uint first_1 = ((min(uint(_e140), (yaws - 1u)) / stride) * stride);
+    uint span = min(stride, (yaws - first_1));
+    float _e149 = turn;
+    float _e154 = flb_share(((_e149 - float(first_1)) / float(span)));
+    uvec2 _e155 = rows;
+    float _e159 = second_row;
+    return FlbCells(_e155, uvec2(first_1, ((first_1 + span) % yaws)), _e159, _e154);
+}
+
 vec3 flb_light(uint forest, uint plant, vec3 point_m_2) {
     vec3 light_2 = vec3(0.0);
+    uint age = 0u;
     uint part = 0u;
-    bool local = false;
     uint _e7 = _group_0_binding_0_fs[(forest + FLB_FOREST_MAX_PLANTS)];
     if ((plant >= _e7)) {
         return vec3(0.0);
     }
     uint _e15 = _group_0_binding_0_fs[(forest + FLB_FOREST_PLANTS)];
-    uint record = ((forest + _e15) + (FLB_PLANT * plant));
-    uint _e22 = _group_0_binding_0_fs[record];
+    uint record_1 = ((forest + _e15) + (FLB_PLANT * plant));
+    uint _e22 = _group_0_binding_0_fs[record_1];
     if ((_e22 == 0u)) {
         return vec3(0.0);
     }
-    uint _e29 = _group_0_binding_0_fs[record];
-    uint species = (forest + _e29);
-    uint turn = _group_0_binding_0_fs[(record + 1u)];
-    uint yaws = _group_0_binding_0_fs[species];
-    float next = (float((turn >> 16u)) / 65536.0);
-    vec3 _e46 = flb_volume_floats((species + FLB_SPECIES_REST));
-    light_2 = _e46;
+    uint _e29 = _group_0_binding_0_fs[record_1];
+    uint species_1 = (forest + (_e29 & 2147483647u));
+    uint yaws_1 = _group_0_binding_0_fs[species_1];
+    vec3 _e38 = flb_volume_floats((species_1 + FLB_SPECIES_REST));
+    light_2 = _e38;
     bool loop_init_2 = true;
     while(true) {
         if (!loop_init_2) {
-            uint _e98 = part;
-            part = (_e98 + 1u);
+            uint _e126 = age;
+            age = (_e126 + 1u);
         }
         loop_init_2 = false;
-        uint _e50 = part;
-        if ((_e50 < 4u)) {
+        uint _e42 = age;
+        if ((_e42 < 2u)) {
         } else {
             break;
         }
         {
-            uint _e53 = part;
-            uint later = (_e53 >> 1u);
-            uint yaw = (((turn & 65535u) + later) % yaws);
-            uint _e60 = part;
-            uint age = (_e60 & 1u);
-            uint _e68 = _group_0_binding_0_fs[((species + FLB_SPECIES_FACTOR) + age)];
-            float factor = uintBitsToFloat(_e68);
-            float share = (factor * ((later == 1u) ? next : (1.0 - next)));
-            uint volume_2 = _group_0_binding_0_fs[(((species + FLB_SPECIES_VOLUMES) + (2u * yaw)) + age)];
-            if ((share != 0.0)) {
-                local = (volume_2 != 0u);
-            } else {
-                local = false;
+            uint _e48 = age;
+            uint _e51 = _group_0_binding_0_fs[((species_1 + FLB_SPECIES_FACTOR) + _e48)];
+            float factor = uintBitsToFloat(_e51);
+            if ((factor == 0.0)) {
+                continue;
             }
-            bool _e92 = local;
-            if (_e92) {
-                vec3 _e93 = light_2;
-                vec3 _e95 = flb_volume((forest + volume_2), point_m_2);
-                light_2 = (_e93 + (share * _e95));
+            uint _e58 = age;
+            FlbCells _e61 = flb_cells(record_1, species_1, ((species_1 + FLB_SPECIES_SUNS) + (FLB_SUN * _e58)));
+            part = 0u;
+            bool loop_init_3 = true;
+            while(true) {
+                if (!loop_init_3) {
+                    uint _e123 = part;
+                    part = (_e123 + 1u);
+                }
+                loop_init_3 = false;
+                uint _e64 = part;
+                if ((_e64 < 4u)) {
+                } else {
+                    break;
+                }
+                {
+                    uint _e67 = part;
+                    uint _e72 = part;
+                    bvec2 is_second = bvec2(((_e67 & 1u) == 1u), (_e72 >= 2u));
+                    float of_yaw = (is_second.x ? _e61.second_yaw : (1.0 - _e61.second_yaw));
+                    float of_row = (is_second.y ? _e61.second_row : (1.0 - _e61.second_row));
+                    float share_1 = ((factor * of_yaw) * of_row);
+                    if ((share_1 == 0.0)) {
+                        continue;
+                    }
+                    uint row = (is_second.y ? _e61.rows.y : _e61.rows.x);
+                    uint cell = ((row * yaws_1) + (is_second.x ? _e61.yaws.y : _e61.yaws.x));
+                    uint _e112 = age;
+                    uint volume_2 = _group_0_binding_0_fs[(((species_1 + FLB_SPECIES_VOLUMES) + (2u * cell)) + _e112)];
+                    if ((volume_2 != 0u)) {
+                        vec3 _e118 = light_2;
+                        vec3 _e120 = flb_volume((forest + volume_2), point_m_2);
+                        light_2 = (_e118 + (share_1 * _e120));
+                    }
+                }
             }
         }
     }
-    vec3 _e101 = light_2;
-    return _e101;
+    vec3 _e129 = light_2;
+    return _e129;
 }
 
 void main() {

@@ -1,4 +1,11 @@
 // Made from src/light/volume/volume.wgsl by naga; FLB_WRITE_SHADERS=1 cargo test -p flb-runtime
+struct FlbCells {
+    uint2 rows;
+    uint2 yaws;
+    float second_row;
+    float second_yaw;
+};
+
 static const uint FLB_VOLUME_LATTICE = 1u;
 static const uint FLB_VOLUME_MIDDLE = 2u;
 static const uint FLB_VOLUME_SITES_PER_M = 5u;
@@ -14,8 +21,17 @@ static const uint FLB_FOREST_PLANTS = 1u;
 static const uint FLB_FOREST_MAX_PLANTS = 2u;
 static const uint FLB_SPECIES_FACTOR = 1u;
 static const uint FLB_SPECIES_REST = 3u;
-static const uint FLB_SPECIES_VOLUMES = 8u;
-static const uint FLB_PLANT = 2u;
+static const uint FLB_SPECIES_STEP_DEG = 6u;
+static const uint FLB_SPECIES_SUNS = 8u;
+static const uint FLB_SPECIES_VOLUMES = 24u;
+static const uint FLB_SUN = 8u;
+static const uint FLB_SUN_AZIMUTH = 3u;
+static const uint FLB_SUN_ELEVATION = 4u;
+static const uint FLB_SUN_OWN_ROW = 5u;
+static const uint FLB_SUN_TOP_ROW = 6u;
+static const uint FLB_SUN_STRIDE = 7u;
+static const uint FLB_PLANT = 4u;
+static const uint FLB_PLANT_TILTED = 2147483648u;
 
 ByteAddressBuffer flb_volumes : register(t0);
 
@@ -185,72 +201,177 @@ float3 flb_volume(uint volume_1, float3 point_m)
     return max(_e157, (least).xxx);
 }
 
+float flb_share(float share)
+{
+    return ((share > 0.999) ? 1.0 : ((share >= 0.001) ? share : 0.0));
+}
+
+uint naga_div(uint lhs, uint rhs) {
+    return lhs / (rhs == 0u ? 1u : rhs);
+}
+
 uint naga_mod(uint lhs, uint rhs) {
     return lhs % (rhs == 0u ? 1u : rhs);
+}
+
+FlbCells ConstructFlbCells(uint2 arg0, uint2 arg1, float arg2, float arg3) {
+    FlbCells ret = (FlbCells)0;
+    ret.rows = arg0;
+    ret.yaws = arg1;
+    ret.second_row = arg2;
+    ret.second_yaw = arg3;
+    return ret;
+}
+
+uint2 naga_f2u32(float2 value) {
+    return uint2(clamp(value, 0.0, 4294967000.0));
+}
+
+uint naga_f2u32(float value) {
+    return uint(clamp(value, 0.0, 4294967000.0));
+}
+
+FlbCells flb_cells(uint record, uint species, uint sun)
+{
+    float turn = (float)0;
+    uint2 rows = (uint2)0;
+    float second_row = 0.0;
+    float azimuth_deg = 0.0;
+
+    uint yaws = asuint(flb_volumes.Load(species*4));
+    uint own = asuint(flb_volumes.Load((sun + FLB_SUN_OWN_ROW)*4));
+    uint stride = asuint(flb_volumes.Load((sun + FLB_SUN_STRIDE)*4));
+    uint _e20 = asuint(flb_volumes.Load((record + 1u)*4));
+    turn = asfloat(_e20);
+    rows = (own).xx;
+    uint _e29 = asuint(flb_volumes.Load(record*4));
+    if ((_e29 >= FLB_PLANT_TILTED)) {
+        const float3 _e34 = flb_volume_floats((record + 1u));
+        float w = sqrt(max(0.0, (1.0 - dot(_e34, _e34))));
+        const float3 _e41 = flb_volume_floats(sun);
+        float3 once = cross(_e34, _e41);
+        float3 seen = (_e41 + (2.0 * (cross(_e34, once) - (w * once))));
+        float across = length(seen.xz);
+        if ((across > 0.0)) {
+            azimuth_deg = degrees(atan2(seen.x, -(seen.z)));
+        }
+        float elevation_deg = degrees(atan2(seen.y, max(across, 1e-9)));
+        uint _e69 = asuint(flb_volumes.Load((sun + FLB_SUN_AZIMUTH)*4));
+        float sun_azimuth_deg = asfloat(_e69);
+        float _e71 = azimuth_deg;
+        turn = ((((sun_azimuth_deg - _e71) / 360.0) + 2.0) * float(yaws));
+        float _e79 = turn;
+        float _e80 = turn;
+        turn = (_e79 - (floor((_e80 / float(yaws))) * float(yaws)));
+        uint _e91 = asuint(flb_volumes.Load((sun + FLB_SUN_ELEVATION)*4));
+        float sun_deg = asfloat(_e91);
+        uint _e97 = asuint(flb_volumes.Load((species + FLB_SPECIES_STEP_DEG)*4));
+        float step_deg = asfloat(_e97);
+        float wide = float(stride);
+        float low_1 = (float(own) + (floor(((elevation_deg - sun_deg) / (step_deg * wide))) * wide));
+        uint _e115 = asuint(flb_volumes.Load((sun + FLB_SUN_TOP_ROW)*4));
+        float2 between = clamp(float2(low_1, (low_1 + wide)), (0.0).xx, (float(_e115)).xx);
+        float2 heights_deg = clamp(((sun_deg).xx + ((between - (float(own)).xx) * step_deg)), (-90.0).xx, (90.0).xx);
+        rows = naga_f2u32(between);
+        const float _e139 = flb_share(((elevation_deg - heights_deg.x) / max((heights_deg.y - heights_deg.x), 0.001)));
+        second_row = _e139;
+    }
+    float _e140 = turn;
+    uint first_1 = (naga_div(min(naga_f2u32(_e140), (yaws - 1u)), stride) * stride);
+    uint span = min(stride, (yaws - first_1));
+    float _e149 = turn;
+    const float _e154 = flb_share(((_e149 - float(first_1)) / float(span)));
+    uint2 _e155 = rows;
+    float _e159 = second_row;
+    const FlbCells flbcells = ConstructFlbCells(_e155, uint2(first_1, naga_mod((first_1 + span), yaws)), _e159, _e154);
+    return flbcells;
 }
 
 float3 flb_light(uint forest, uint plant, float3 point_m_1)
 {
     float3 light_2 = (float3)0;
-    uint part = 0u;
-    bool local = (bool)0;
+    uint age = 0u;
+    uint part = (uint)0;
 
     uint _e7 = asuint(flb_volumes.Load((forest + FLB_FOREST_MAX_PLANTS)*4));
     if ((plant >= _e7)) {
         return (0.0).xxx;
     }
     uint _e15 = asuint(flb_volumes.Load((forest + FLB_FOREST_PLANTS)*4));
-    uint record = ((forest + _e15) + (FLB_PLANT * plant));
-    uint _e22 = asuint(flb_volumes.Load(record*4));
+    uint record_1 = ((forest + _e15) + (FLB_PLANT * plant));
+    uint _e22 = asuint(flb_volumes.Load(record_1*4));
     if ((_e22 == 0u)) {
         return (0.0).xxx;
     }
-    uint _e29 = asuint(flb_volumes.Load(record*4));
-    uint species = (forest + _e29);
-    uint turn = asuint(flb_volumes.Load((record + 1u)*4));
-    uint yaws = asuint(flb_volumes.Load(species*4));
-    float next = (float((turn >> 16u)) / 65536.0);
-    const float3 _e46 = flb_volume_floats((species + FLB_SPECIES_REST));
-    light_2 = _e46;
+    uint _e29 = asuint(flb_volumes.Load(record_1*4));
+    uint species_1 = (forest + (_e29 & 2147483647u));
+    uint yaws_1 = asuint(flb_volumes.Load(species_1*4));
+    const float3 _e38 = flb_volume_floats((species_1 + FLB_SPECIES_REST));
+    light_2 = _e38;
     uint2 loop_bound_2 = uint2(4294967295u, 4294967295u);
     bool loop_init_2 = true;
     while(true) {
         if (all(loop_bound_2 == uint2(0u, 0u))) { break; }
         loop_bound_2 -= uint2(loop_bound_2.y == 0u, 1u);
         if (!loop_init_2) {
-            uint _e98 = part;
-            part = (_e98 + 1u);
+            uint _e126 = age;
+            age = (_e126 + 1u);
         }
         loop_init_2 = false;
-        uint _e50 = part;
-        if ((_e50 < 4u)) {
+        uint _e42 = age;
+        if ((_e42 < 2u)) {
         } else {
             break;
         }
         {
-            uint _e53 = part;
-            uint later = (_e53 >> 1u);
-            uint yaw = naga_mod(((turn & 65535u) + later), yaws);
-            uint _e60 = part;
-            uint age = (_e60 & 1u);
-            uint _e68 = asuint(flb_volumes.Load(((species + FLB_SPECIES_FACTOR) + age)*4));
-            float factor = asfloat(_e68);
-            float share = (factor * ((later == 1u) ? next : (1.0 - next)));
-            uint volume_2 = asuint(flb_volumes.Load((((species + FLB_SPECIES_VOLUMES) + (2u * yaw)) + age)*4));
-            if ((share != 0.0)) {
-                local = (volume_2 != 0u);
-            } else {
-                local = false;
+            uint _e48 = age;
+            uint _e51 = asuint(flb_volumes.Load(((species_1 + FLB_SPECIES_FACTOR) + _e48)*4));
+            float factor = asfloat(_e51);
+            if ((factor == 0.0)) {
+                continue;
             }
-            bool _e92 = local;
-            if (_e92) {
-                float3 _e93 = light_2;
-                const float3 _e95 = flb_volume((forest + volume_2), point_m_1);
-                light_2 = (_e93 + (share * _e95));
+            uint _e58 = age;
+            const FlbCells _e61 = flb_cells(record_1, species_1, ((species_1 + FLB_SPECIES_SUNS) + (FLB_SUN * _e58)));
+            part = 0u;
+            uint2 loop_bound_3 = uint2(4294967295u, 4294967295u);
+            bool loop_init_3 = true;
+            while(true) {
+                if (all(loop_bound_3 == uint2(0u, 0u))) { break; }
+                loop_bound_3 -= uint2(loop_bound_3.y == 0u, 1u);
+                if (!loop_init_3) {
+                    uint _e123 = part;
+                    part = (_e123 + 1u);
+                }
+                loop_init_3 = false;
+                uint _e64 = part;
+                if ((_e64 < 4u)) {
+                } else {
+                    break;
+                }
+                {
+                    uint _e67 = part;
+                    uint _e72 = part;
+                    bool2 is_second = bool2(((_e67 & 1u) == 1u), (_e72 >= 2u));
+                    float of_yaw = (is_second.x ? _e61.second_yaw : (1.0 - _e61.second_yaw));
+                    float of_row = (is_second.y ? _e61.second_row : (1.0 - _e61.second_row));
+                    float share_1 = ((factor * of_yaw) * of_row);
+                    if ((share_1 == 0.0)) {
+                        continue;
+                    }
+                    uint row = (is_second.y ? _e61.rows.y : _e61.rows.x);
+                    uint cell = ((row * yaws_1) + (is_second.x ? _e61.yaws.y : _e61.yaws.x));
+                    uint _e112 = age;
+                    uint volume_2 = asuint(flb_volumes.Load((((species_1 + FLB_SPECIES_VOLUMES) + (2u * cell)) + _e112)*4));
+                    if ((volume_2 != 0u)) {
+                        float3 _e118 = light_2;
+                        const float3 _e120 = flb_volume((forest + volume_2), point_m_1);
+                        light_2 = (_e118 + (share_1 * _e120));
+                    }
+                }
             }
         }
     }
-    float3 _e101 = light_2;
-    return _e101;
+    float3 _e129 = light_2;
+    return _e129;
 }
 

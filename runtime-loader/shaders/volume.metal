@@ -10,6 +10,12 @@ struct _mslBufferSizes {
 };
 
 typedef uint type_2[1];
+struct FlbCells {
+    metal::uint2 rows;
+    metal::uint2 yaws;
+    float second_row;
+    float second_yaw;
+};
 constant uint FLB_VOLUME_LATTICE = 1u;
 constant uint FLB_VOLUME_MIDDLE = 2u;
 constant uint FLB_VOLUME_SITES_PER_M = 5u;
@@ -25,8 +31,17 @@ constant uint FLB_FOREST_PLANTS = 1u;
 constant uint FLB_FOREST_MAX_PLANTS = 2u;
 constant uint FLB_SPECIES_FACTOR = 1u;
 constant uint FLB_SPECIES_REST = 3u;
-constant uint FLB_SPECIES_VOLUMES = 8u;
-constant uint FLB_PLANT = 2u;
+constant uint FLB_SPECIES_STEP_DEG = 6u;
+constant uint FLB_SPECIES_SUNS = 8u;
+constant uint FLB_SPECIES_VOLUMES = 24u;
+constant uint FLB_SUN = 8u;
+constant uint FLB_SUN_AZIMUTH = 3u;
+constant uint FLB_SUN_ELEVATION = 4u;
+constant uint FLB_SUN_OWN_ROW = 5u;
+constant uint FLB_SUN_TOP_ROW = 6u;
+constant uint FLB_SUN_STRIDE = 7u;
+constant uint FLB_PLANT = 4u;
+constant uint FLB_PLANT_TILTED = 2147483648u;
 
 metal::float3 flb_volume_floats(
     uint at,
@@ -207,8 +222,85 @@ metal::float3 flb_volume(
     return metal::max(_e157, metal::float3(least));
 }
 
+float flb_share(
+    float share
+) {
+    return (share > 0.999) ? 1.0 : ((share >= 0.001) ? share : 0.0);
+}
+
+metal::uint2 naga_f2u32(metal::float2 value) {
+    return static_cast<metal::uint2>(metal::clamp(value, 0.0, 4294967000.0));
+}
+
+uint naga_f2u32(float value) {
+    return static_cast<uint>(metal::clamp(value, 0.0, 4294967000.0));
+}
+
+uint naga_div(uint lhs, uint rhs) {
+    return lhs / metal::select(rhs, 1u, rhs == 0u);
+}
+
 uint naga_mod(uint lhs, uint rhs) {
     return lhs % metal::select(rhs, 1u, rhs == 0u);
+}
+
+FlbCells flb_cells(
+    uint record,
+    uint species,
+    uint sun,
+    device type_2 const& flb_volumes,
+    constant _mslBufferSizes& _buffer_sizes
+) {
+    float turn = {};
+    metal::uint2 rows = {};
+    float second_row = 0.0;
+    float azimuth_deg = 0.0;
+    uint yaws = flb_volumes[species];
+    uint own = flb_volumes[sun + FLB_SUN_OWN_ROW];
+    uint stride = flb_volumes[sun + FLB_SUN_STRIDE];
+    uint _e20 = flb_volumes[record + 1u];
+    turn = as_type<float>(_e20);
+    rows = metal::uint2(own);
+    uint _e29 = flb_volumes[record];
+    if (_e29 >= FLB_PLANT_TILTED) {
+        metal::float3 _e34 = flb_volume_floats(record + 1u, flb_volumes, _buffer_sizes);
+        float w = metal::sqrt(metal::max(0.0, 1.0 - metal::dot(_e34, _e34)));
+        metal::float3 _e41 = flb_volume_floats(sun, flb_volumes, _buffer_sizes);
+        metal::float3 once = metal::cross(_e34, _e41);
+        metal::float3 seen = _e41 + (2.0 * (metal::cross(_e34, once) - (w * once)));
+        float across = metal::length(seen.xz);
+        if (across > 0.0) {
+            azimuth_deg = ((metal::atan2(seen.x, -(seen.z))) * 57.295779513082322865);
+        }
+        float elevation_deg = ((metal::atan2(seen.y, metal::max(across, 0.000000001))) * 57.295779513082322865);
+        uint _e69 = flb_volumes[sun + FLB_SUN_AZIMUTH];
+        float sun_azimuth_deg = as_type<float>(_e69);
+        float _e71 = azimuth_deg;
+        turn = (((sun_azimuth_deg - _e71) / 360.0) + 2.0) * static_cast<float>(yaws);
+        float _e79 = turn;
+        float _e80 = turn;
+        turn = _e79 - (metal::floor(_e80 / static_cast<float>(yaws)) * static_cast<float>(yaws));
+        uint _e91 = flb_volumes[sun + FLB_SUN_ELEVATION];
+        float sun_deg = as_type<float>(_e91);
+        uint _e97 = flb_volumes[species + FLB_SPECIES_STEP_DEG];
+        float step_deg = as_type<float>(_e97);
+        float wide = static_cast<float>(stride);
+        float low_1 = static_cast<float>(own) + (metal::floor((elevation_deg - sun_deg) / (step_deg * wide)) * wide);
+        uint _e115 = flb_volumes[sun + FLB_SUN_TOP_ROW];
+        metal::float2 between = metal::clamp(metal::float2(low_1, low_1 + wide), metal::float2(0.0), metal::float2(static_cast<float>(_e115)));
+        metal::float2 heights_deg = metal::clamp(metal::float2(sun_deg) + ((between - metal::float2(static_cast<float>(own))) * step_deg), metal::float2(-90.0), metal::float2(90.0));
+        rows = naga_f2u32(between);
+        float _e139 = flb_share((elevation_deg - heights_deg.x) / metal::max(heights_deg.y - heights_deg.x, 0.001));
+        second_row = _e139;
+    }
+    float _e140 = turn;
+    uint first_1 = naga_div(metal::min(naga_f2u32(_e140), yaws - 1u), stride) * stride;
+    uint span = metal::min(stride, yaws - first_1);
+    float _e149 = turn;
+    float _e154 = flb_share((_e149 - static_cast<float>(first_1)) / static_cast<float>(span));
+    metal::uint2 _e155 = rows;
+    float _e159 = second_row;
+    return FlbCells {_e155, metal::uint2(first_1, naga_mod(first_1 + span, yaws)), _e159, _e154};
 }
 
 metal::float3 flb_light(
@@ -219,63 +311,86 @@ metal::float3 flb_light(
     constant _mslBufferSizes& _buffer_sizes
 ) {
     metal::float3 light_2 = {};
-    uint part = 0u;
-    bool local = {};
+    uint age = 0u;
+    uint part = {};
     uint _e7 = flb_volumes[forest + FLB_FOREST_MAX_PLANTS];
     if (plant >= _e7) {
         return metal::float3(0.0);
     }
     uint _e15 = flb_volumes[forest + FLB_FOREST_PLANTS];
-    uint record = (forest + _e15) + (FLB_PLANT * plant);
-    uint _e22 = flb_volumes[record];
+    uint record_1 = (forest + _e15) + (FLB_PLANT * plant);
+    uint _e22 = flb_volumes[record_1];
     if (_e22 == 0u) {
         return metal::float3(0.0);
     }
-    uint _e29 = flb_volumes[record];
-    uint species = forest + _e29;
-    uint turn = flb_volumes[record + 1u];
-    uint yaws = flb_volumes[species];
-    float next = static_cast<float>(turn >> 16u) / 65536.0;
-    metal::float3 _e46 = flb_volume_floats(species + FLB_SPECIES_REST, flb_volumes, _buffer_sizes);
-    light_2 = _e46;
+    uint _e29 = flb_volumes[record_1];
+    uint species_1 = forest + (_e29 & 2147483647u);
+    uint yaws_1 = flb_volumes[species_1];
+    metal::float3 _e38 = flb_volume_floats(species_1 + FLB_SPECIES_REST, flb_volumes, _buffer_sizes);
+    light_2 = _e38;
     uint2 loop_bound_2 = uint2(4294967295u);
     bool loop_init_2 = true;
     while(true) {
         if (metal::all(loop_bound_2 == uint2(0u))) { break; }
         loop_bound_2 -= uint2(loop_bound_2.y == 0u, 1u);
         if (!loop_init_2) {
-            uint _e98 = part;
-            part = _e98 + 1u;
+            uint _e126 = age;
+            age = _e126 + 1u;
         }
         loop_init_2 = false;
-        uint _e50 = part;
-        if (_e50 < 4u) {
+        uint _e42 = age;
+        if (_e42 < 2u) {
         } else {
             break;
         }
         {
-            uint _e53 = part;
-            uint later = _e53 >> 1u;
-            uint yaw = naga_mod((turn & 65535u) + later, yaws);
-            uint _e60 = part;
-            uint age = _e60 & 1u;
-            uint _e68 = flb_volumes[(species + FLB_SPECIES_FACTOR) + age];
-            float factor = as_type<float>(_e68);
-            float share = factor * ((later == 1u) ? next : (1.0 - next));
-            uint volume_2 = flb_volumes[((species + FLB_SPECIES_VOLUMES) + (2u * yaw)) + age];
-            if (share != 0.0) {
-                local = volume_2 != 0u;
-            } else {
-                local = false;
+            uint _e48 = age;
+            uint _e51 = flb_volumes[(species_1 + FLB_SPECIES_FACTOR) + _e48];
+            float factor = as_type<float>(_e51);
+            if (factor == 0.0) {
+                continue;
             }
-            bool _e92 = local;
-            if (_e92) {
-                metal::float3 _e93 = light_2;
-                metal::float3 _e95 = flb_volume(forest + volume_2, point_m_1, flb_volumes, _buffer_sizes);
-                light_2 = _e93 + (share * _e95);
+            uint _e58 = age;
+            FlbCells _e61 = flb_cells(record_1, species_1, (species_1 + FLB_SPECIES_SUNS) + (FLB_SUN * _e58), flb_volumes, _buffer_sizes);
+            part = 0u;
+            uint2 loop_bound_3 = uint2(4294967295u);
+            bool loop_init_3 = true;
+            while(true) {
+                if (metal::all(loop_bound_3 == uint2(0u))) { break; }
+                loop_bound_3 -= uint2(loop_bound_3.y == 0u, 1u);
+                if (!loop_init_3) {
+                    uint _e123 = part;
+                    part = _e123 + 1u;
+                }
+                loop_init_3 = false;
+                uint _e64 = part;
+                if (_e64 < 4u) {
+                } else {
+                    break;
+                }
+                {
+                    uint _e67 = part;
+                    uint _e72 = part;
+                    metal::bool2 is_second = metal::bool2((_e67 & 1u) == 1u, _e72 >= 2u);
+                    float of_yaw = is_second.x ? _e61.second_yaw : (1.0 - _e61.second_yaw);
+                    float of_row = is_second.y ? _e61.second_row : (1.0 - _e61.second_row);
+                    float share_1 = (factor * of_yaw) * of_row;
+                    if (share_1 == 0.0) {
+                        continue;
+                    }
+                    uint row = is_second.y ? _e61.rows.y : _e61.rows.x;
+                    uint cell = (row * yaws_1) + (is_second.x ? _e61.yaws.y : _e61.yaws.x);
+                    uint _e112 = age;
+                    uint volume_2 = flb_volumes[((species_1 + FLB_SPECIES_VOLUMES) + (2u * cell)) + _e112];
+                    if (volume_2 != 0u) {
+                        metal::float3 _e118 = light_2;
+                        metal::float3 _e120 = flb_volume(forest + volume_2, point_m_1, flb_volumes, _buffer_sizes);
+                        light_2 = _e118 + (share_1 * _e120);
+                    }
+                }
             }
         }
     }
-    metal::float3 _e101 = light_2;
-    return _e101;
+    metal::float3 _e129 = light_2;
+    return _e129;
 }

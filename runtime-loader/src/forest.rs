@@ -12,8 +12,8 @@
 //! takes the place of what was there over some frames.
 //!
 //! A plant has light from the first frame on: the mean light of its species, which its file says before its first page.
-//! Between the yaws of [`ForestSettings::yaws`] light is blended. A plant that is tilted has the light of one that
-//! stands upright. On a GPU, a [`ForestBuffer`] follows the snapshots.
+//! Between the yaws of [`ForestSettings::yaws`] light is blended. A plant that is tilted sees the sun at another height
+//! above itself, so that its light is a blend of four volumes. On a GPU, a [`ForestBuffer`] follows the snapshots.
 //!
 //! [`LightVolume`]: crate::light::LightVolume
 
@@ -22,6 +22,8 @@ mod plants;
 mod room;
 mod snapshot;
 mod species;
+mod stand;
+mod suns;
 mod volumes;
 mod work;
 
@@ -58,13 +60,14 @@ const MAX_UNITS: usize = 64;
 pub struct ForestSettings {
     /// Budgets of memory and of requests of what is read; volumes are beside it.
     pub residency: ResidencySettings,
-    /// Most memory of volumes, with those that are faded out: where it is too little, fewer yaws have one each, and
-    /// then fewer species.
+    /// Most memory of volumes, with those that are faded out: where it is too little, fewer yaws and heights of the sun
+    /// have one each, and then fewer species.
     pub max_volume_bytes: u64,
-    /// Yaws of which each species has a volume, from north clockwise; 1 to 3600. Plants at these yaws have its exact
-    /// light, others a blend of two.
+    /// Yaws of which each species has a volume, from north clockwise; 1 to 3600. Upright plants at these yaws have its
+    /// exact light, others a blend of two. For tilted ones there are as many degrees from one height of the sun to the
+    /// next as from yaw to yaw, 5 to 15.
     pub yaws: u32,
-    /// Degrees that the sun moves before volumes are made anew.
+    /// Degrees that the sun moves before volumes are made anew. Plants that are tilted by less stand upright.
     pub step_deg: f64,
     /// Frames over which light that came takes the place of what was there, 1 or more.
     pub blend_frames: u16,
@@ -125,7 +128,7 @@ pub struct Forest {
     outside: Resident,
     inbox: Arc<Inbox>,
     in_flight: usize,
-    /// Every how-manieth yaw has a volume.
+    /// Every how-manieth yaw and row has a volume.
     stride: u32,
     /// Frames in which more would have fitted.
     fitting_frames: u32,
@@ -184,7 +187,7 @@ impl Forest {
     pub fn add(&mut self, plant: &Placement) -> Result<PlantId, RuntimeError> {
         self.check(plant)?;
         self.placed.push(self.stage.library().container(), plant);
-        let id = self.plants.add(plant, self.settings.yaws);
+        let id = self.plants.add(plant, &self.settings);
         self.count(id, 1);
         Ok(id)
     }
@@ -197,7 +200,7 @@ impl Forest {
         self.check(plant)?;
         let Some(index) = self.count(id, -1) else { return Ok(false) };
         self.placed.set(self.stage.library().container(), index, plant);
-        self.plants.set(id, plant, self.settings.yaws);
+        self.plants.set(id, plant, &self.settings);
         self.count(id, 1);
         Ok(true)
     }
@@ -212,8 +215,8 @@ impl Forest {
 
     /// Counts a plant that comes (1) or goes (-1) with its species. Its place among all.
     fn count(&mut self, id: PlantId, plants: i32) -> Option<usize> {
-        let Plant { index, species, turn, .. } = self.plants.get(id)?;
-        self.species[species as usize].count(turn, plants);
+        let Plant { index, species, stand, .. } = self.plants.get(id)?;
+        self.species[species as usize].count(stand, plants);
         Some(index as usize)
     }
 
@@ -242,8 +245,15 @@ impl Forest {
         }
         let mut is_lit = true;
         let pixels: Vec<f32> = need.species.iter().map(|species| species.pixels).collect();
+        let mut is_other = Vec::new();
         for (lit, pixels) in self.species.iter_mut().zip(&pixels) {
             lit.pass(*pixels > 0.0, &self.settings);
+            is_other.push(*pixels > 0.0 && lit.aim(daylight, &self.settings));
+        }
+        if is_other.contains(&true) {
+            for plant in self.plants.tilted().filter(|plant| is_other[plant.species as usize]) {
+                self.species[plant.species as usize].count(plant.stand, 1);
+            }
         }
         let strides = self.strides(&pixels);
         for (number, lit) in self.species.iter_mut().enumerate() {
@@ -251,10 +261,10 @@ impl Forest {
                 let resident = self.stage.resident();
                 let wanted = lit.wanted(resident.species(number), daylight, &self.settings, stride);
                 is_lit &= wanted.is_none() && lit.is_shown();
-                if let Some(wanted) = wanted.filter(|wanted| !wanted.turns.is_empty()) {
+                if let Some(wanted) = wanted.filter(|wanted| !wanted.cells.is_empty()) {
                     lit.is_awaited = true;
                     let species = resident.shared(number);
-                    work.push(Work::light(number, species, wanted, self.settings.yaws, &self.inbox));
+                    work.push(Work::light(number, species, wanted, &self.inbox));
                 }
             }
         }
@@ -280,18 +290,16 @@ impl Forest {
         }
     }
 
-    /// Of each species that is seen, every how-manieth yaw has a volume; `None` of others, and where there is no room.
-    /// What is over drops at once. Those that were seen lately keep their room, and more yaws come only after a while
-    /// in which they would have fitted, so that nothing comes and goes with each turn of the camera.
+    /// Of each species that is seen, every how-manieth yaw and row has a volume; `None` of others, and where there is
+    /// no room. What is over drops at once. Those that were seen lately keep their room, and more yaws come only after
+    /// a while in which they would have fitted, so that nothing comes and goes with each turn of the camera.
     fn strides(&mut self, pixels: &[f32]) -> Vec<Option<u32>> {
         let (yaws, room) = (self.settings.yaws, self.settings.max_volume_bytes);
         let counts: Vec<usize> = (0..pixels.len())
             .filter(|number| pixels[*number] > 0.0 || self.species[*number].has_volumes())
             .collect();
         let wish = |number: &usize| {
-            let (lit, resident) = (&self.species[*number], self.stage.resident().species(*number));
-            let (bytes, has_some) = (lit.volume_bytes(resident), lit.has_volumes());
-            Wish { bytes, yaws: lit.yaws(), pixels: pixels[*number], has_some }
+            self.species[*number].wish(self.stage.resident().species(*number), pixels[*number])
         };
         let wishes: Vec<Wish> = counts.iter().map(wish).collect();
         let found = stride(&wishes, yaws, room);

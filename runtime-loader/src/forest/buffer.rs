@@ -13,13 +13,23 @@
 //! | 0 | yaws |
 //! | 1, 2 | factors of the light that is shown, and of that before it, f32 |
 //! | 3..6 | light beside them, three f32 |
-//! | 6, 7 | 0 |
-//! | 8.. | of each yaw where its volume begins, and where that before it does; 0: none |
+//! | 6 | degrees from row to row of suns, f32 |
+//! | 7 | rows |
+//! | 8..11 | the sun of the light that is shown: its unit vector, world, three f32 |
+//! | 11, 12 | its azimuth and elevation, degrees, f32 |
+//! | 13, 14 | the row of plants that stand upright under it, and the highest one |
+//! | 15 | every how-manieth row, counted from that of upright plants, and every how-manieth yaw has a volume |
+//! | 16..24 | the same of the light before it |
+//! | 24.. | of each row and yaw, `[row][yaw]`, where its volume begins, and where that before it does; 0: none |
 //!
 //! | word of a plant | content |
 //! |---|---|
-//! | 0 | where its species begins; 0: no such plant |
-//! | 1 | the yaw before its own; in the upper 16 bits the share of the next one, in 65536 parts |
+//! | 0 | where its species begins; the highest bit is 1 where it is tilted; 0: no such plant |
+//! | 1 | upright: its yaw, from 0 to below the number of yaws, f32 |
+//! | 1..4 | tilted: x, y and z of its rotation's unit quaternion, world from model, f32; its w is not negative |
+//!
+//! An upright plant has the light of the two yaws around its own, of one row. A tilted one sees the sun elsewhere: of
+//! the two rows around the elevation there, in degrees, and of the two yaws around the azimuth, each with its share.
 //!
 //! Places are in words from word 0, so that it may lie anywhere in a buffer. Plants and species change few words; a
 //! volume is written once.
@@ -30,15 +40,21 @@ use std::sync::{Arc, Weak};
 use super::PlantId;
 use super::plants::Plant;
 use super::snapshot::{Shown, Snapshot};
+use super::stand::Stand;
+use super::suns::{Suns, rows, step_deg};
 use crate::light::LightVolume;
 
 /// First word: the version of the layout.
-pub const VERSION: u32 = 1;
+pub const VERSION: u32 = 2;
 
 const HEAD: u32 = 4;
-/// Words of a species before those of its yaws.
-const SPECIES: u32 = 8;
-const PLANT: u32 = 2;
+/// Words of a species before those of its volumes, of a sun among them, and where the suns begin.
+const SPECIES: u32 = 24;
+const SUN: usize = 8;
+const SUNS: usize = 8;
+const PLANT: u32 = 4;
+/// Of a tilted plant.
+const TILTED: u32 = 1 << 31;
 const RGB: usize = 3;
 
 /// Sizes of a buffer.
@@ -138,6 +154,17 @@ impl<W: FnMut(u64, &[u32])> Writes<W> {
             (self.write)(4 * u64::from(first), words);
         }
     }
+
+    /// Writes the words from the first one to the last one that is not as it was.
+    fn put_changed(&mut self, first: u32, old: &[u32], words: &[u32]) {
+        if old.len() != words.len() {
+            return self.put(first, words);
+        }
+        let is_other = |at: &usize| old[*at] != words[*at];
+        let Some(begin) = (0..words.len()).find(is_other) else { return };
+        let last = (begin..words.len()).rfind(is_other).unwrap_or(begin);
+        self.put(first + begin as u32, &words[begin..=last]);
+    }
 }
 
 impl ForestBuffer {
@@ -161,14 +188,18 @@ impl ForestBuffer {
             // Before the forest's first frame.
             return Followed::default();
         }
-        let (firsts, plants) = firsts(snapshot);
-        let tables = u64::from(plants) + u64::from(PLANT) * u64::from(self.settings.max_plants);
-        let Some(volumes) = u32::try_from(tables).ok().filter(|words| *words <= self.end()) else {
+        let firsts = firsts(snapshot);
+        let plants = firsts[firsts.len() - 1];
+        let tables = plants + u64::from(PLANT) * u64::from(self.settings.max_plants);
+        let has_room = plants < u64::from(TILTED) && tables <= u64::from(self.end());
+        let Some(volumes) = u32::try_from(tables).ok().filter(|_| has_room) else {
             // Not even the tables have room: nothing is written.
             let lacking_bytes = 4 * (tables - u64::from(self.end()).min(tables));
             let plants_left_out = there(&snapshot.plants);
             return Followed { lacking_bytes, plants_left_out, ..Followed::default() };
         };
+        let (firsts, plants) =
+            (firsts.iter().map(|first| *first as u32).collect::<Vec<u32>>(), plants as u32);
         let mut writes = Writes {
             write,
             followed: Followed { is_complete: true, ..Followed::default() },
@@ -195,9 +226,7 @@ impl ForestBuffer {
             for volume in &record.volumes {
                 self.places.get_mut(volume).expect("it was placed").used = self.frame;
             }
-            if known != Some(&record) {
-                writes.put(*first, &record.words);
-            }
+            writes.put_changed(*first, known.map_or(&[], |known| &known.words), &record.words);
             match self.species.get_mut(number) {
                 Some(known) => *known = record,
                 None => self.species.push(record),
@@ -223,15 +252,16 @@ impl ForestBuffer {
         if Arc::ptr_eq(&self.plants, &snapshot.plants) {
             return;
         }
-        let words = |plant: &Plant| match plant.is_there() {
-            true => {
-                let share = (plant.turn.share * 65_536.0).min(65_535.0) as u32;
-                [firsts[plant.species as usize], plant.turn.first | share << 16]
+        let words = |plant: &Plant| match (plant.is_there(), plant.stand) {
+            (true, Stand::Upright(turn)) => [firsts[plant.species as usize], turn.to_bits(), 0, 0],
+            (true, Stand::Tilted(rotation)) => {
+                let [x, y, z] = rotation.map(f32::to_bits);
+                [firsts[plant.species as usize] | TILTED, x, y, z]
             }
-            false => [0; 2],
+            (false, _) => [0; PLANT as usize],
         };
-        let now: Vec<[u32; 2]> = within.iter().map(words).collect();
-        let old = |slot: usize| self.plants.get(slot).map_or([0; 2], words);
+        let now: Vec<[u32; PLANT as usize]> = within.iter().map(words).collect();
+        let old = |slot: usize| self.plants.get(slot).map_or([0; PLANT as usize], words);
         let mut slot = 0;
         while slot < now.len() {
             let end = (slot..now.len()).find(|slot| now[*slot] == old(*slot)).unwrap_or(now.len());
@@ -253,16 +283,25 @@ impl ForestBuffer {
         for (age, light) in shown.both().into_iter().enumerate() {
             let Some((light, factor)) = light.filter(|(_, factor)| *factor != 0.0) else { continue };
             words[1 + age] = factor.to_bits();
-            for yaw in 0..shown.yaws {
-                let Some(volume) = light.at_yaw(yaw) else { continue };
+            let suns = &light.suns;
+            let [x, y, z] = suns.towards_sun;
+            let floats = [x, y, z, suns.azimuth_deg, suns.elevation_deg].map(|c| (c as f32).to_bits());
+            let sun = floats.into_iter().chain([suns.own, suns.top, light.stride]);
+            words[SUNS + SUN * age..].iter_mut().zip(sun).for_each(|(word, of_sun)| *word = of_sun);
+            let mut places = BTreeMap::new();
+            for (cell, volume) in light.volumes() {
                 match self.place_volume(volume, begin, writes) {
                     Placed::There(first) => {
-                        words[(SPECIES + 2 * yaw) as usize + age] = first;
+                        places.insert(cell, first);
                         volumes.push(Arc::as_ptr(volume).addr());
                     }
                     Placed::Later => is_whole = false,
                     Placed::NoRoom => has_room = false,
                 }
+            }
+            let cells = words[SPECIES as usize..].chunks_exact_mut(2);
+            for (cell, nearest) in cells.zip(light.nearest()) {
+                cell[age] = places.get(nearest).copied().unwrap_or_default();
             }
         }
         writes.followed.is_complete &= is_whole && has_room;
@@ -339,15 +378,17 @@ impl PlantId {
 }
 
 /// Where each species begins, and where plants do behind them.
-fn firsts(snapshot: &Snapshot) -> (Vec<u32>, u32) {
-    let mut next = HEAD;
-    let begin = |shown: &Shown| {
-        let first = next;
-        next += SPECIES + 2 * shown.yaws;
-        first
-    };
-    let firsts = snapshot.species.iter().map(begin).collect();
-    (firsts, next)
+fn firsts(snapshot: &Snapshot) -> Vec<u64> {
+    let mut firsts = vec![u64::from(HEAD)];
+    for shown in &snapshot.species {
+        firsts.push(firsts[firsts.len() - 1] + words_of(shown.yaws) as u64);
+    }
+    firsts
+}
+
+/// Words of a species.
+fn words_of(yaws: u32) -> usize {
+    SPECIES as usize + 2 * Suns::count(yaws)
 }
 
 /// Plants that are there.
@@ -357,8 +398,10 @@ fn there(plants: &[Plant]) -> u32 {
 
 /// Words of a species without volumes, with a share of its mean light.
 fn species_words(shown: &Shown, share: f32) -> Vec<u32> {
-    let mut words = vec![0; (SPECIES + 2 * shown.yaws) as usize];
+    let mut words = vec![0; words_of(shown.yaws)];
     words[0] = shown.yaws;
+    words[6] = (step_deg(shown.yaws) as f32).to_bits();
+    words[7] = rows(shown.yaws);
     for (word, mean) in words[3..3 + RGB].iter_mut().zip(&shown.mean) {
         *word = (share * mean).to_bits();
     }

@@ -1,12 +1,14 @@
-//! Room for volumes: which yaws of which species have one within a budget.
+//! Room for volumes: which suns of which species have one within a budget.
+
+use super::suns::Extent;
 
 /// A species that is seen, or was lately.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Wish {
     /// Bytes of a volume, as far as is known.
     pub bytes: u64,
-    /// Yaws that plants ask for.
-    pub yaws: u32,
+    /// Suns that plants ask for, and those that have a volume.
+    pub extent: Extent,
     /// How large it is in the picture; 0 where it is not seen any more.
     pub pixels: f32,
     /// True of a species that has a volume.
@@ -16,8 +18,8 @@ pub(super) struct Wish {
 /// Factor on what is there over what would have to be made.
 const HELD: f32 = 1.5;
 
-/// Every how-manieth yaw has a volume, so that all fit; `None` where not even one of each does. While light is faded
-/// there are two of each.
+/// Every how-manieth yaw and row has a volume, so that all fit; `None` where not even one of each does. While light is
+/// faded there are two of each.
 pub(super) fn stride(wishes: &[Wish], yaws: u32, max_bytes: u64) -> Option<u32> {
     let fits = |stride: u32| wishes.iter().map(|wish| bytes(wish, yaws, stride)).sum::<u64>() <= max_bytes;
     let strides = std::iter::successors(Some(1), |stride| (*stride < yaws).then_some(stride * 2));
@@ -40,13 +42,11 @@ pub(super) fn chosen(wishes: &[Wish], yaws: u32, max_bytes: u64) -> Vec<bool> {
 }
 
 fn bytes(wish: &Wish, yaws: u32, stride: u32) -> u64 {
-    2 * wish.bytes * u64::from(wish.yaws.min(yaws.div_ceil(stride)))
-}
-
-/// The yaw with a volume that is nearest to one.
-pub(super) fn kept(yaw: u32, yaws: u32, stride: u32) -> u32 {
-    let kept = (yaw + stride / 2) / stride * stride;
-    if kept < yaws { kept } else { 0 }
+    let Extent { cells, above, below } = wish.extent;
+    let rows = if stride < yaws { 1 + above.div_ceil(stride) + below.div_ceil(stride) } else { 1 };
+    // Of a wider grid a cell asks for those around it.
+    let cells = if stride == 1 { cells } else { cells.saturating_mul(4) };
+    2 * wish.bytes * u64::from(cells.min(rows * yaws.div_ceil(stride)))
 }
 
 #[cfg(test)]
@@ -55,7 +55,8 @@ mod tests {
 
     #[test]
     fn fewer_yaws_have_volumes_before_species_go_without() {
-        let wish = |bytes, pixels| Wish { bytes, yaws: 16, pixels, has_some: false };
+        let extent = Extent { cells: 16, above: 0, below: 0 };
+        let wish = |bytes, pixels| Wish { bytes, extent, pixels, has_some: false };
         let two = [wish(1000, 5.0), wish(3000, 9.0)];
         let of = |max_bytes| stride(&two, 16, max_bytes);
         assert_eq!([128_000, 127_999, 16_000, 8_000].map(of), [1, 2, 8, 16].map(Some));
@@ -63,8 +64,13 @@ mod tests {
         assert_eq!(chosen(&two, 16, 7_999), [false, true]);
         assert_eq!(chosen(&two, 16, 2_500), [true, false]);
         assert_eq!(chosen(&two, 16, 0), [false; 2]);
-        // Yaws that no plant has take no room.
-        assert_eq!(stride(&[Wish { yaws: 2, ..wish(1000, 1.0) }], 16, 4_000), Some(1));
+        // Suns that no plant has take no room.
+        let few = Extent { cells: 2, ..extent };
+        assert_eq!(stride(&[Wish { extent: few, ..wish(1000, 1.0) }], 16, 4_000), Some(1));
+        // Of tilted plants: three rows of all yaws, of every second one, and one volume.
+        let tilted = Extent { cells: 48, above: 1, below: 1 };
+        let of = |max_bytes| stride(&[Wish { extent: tilted, ..wish(1000, 1.0) }], 16, max_bytes);
+        assert_eq!([96_000, 95_999, 48_000, 24_000, 2_000].map(of), [1, 2, 2, 4, 16].map(Some));
         assert_eq!(
             (stride(&[], 16, 0), stride(&two[..1], 1, 2_000), stride(&two[..1], 3, 2_000)),
             (Some(1), Some(1), Some(3))
@@ -73,15 +79,5 @@ mod tests {
         let held = |pixels| [Wish { has_some: true, ..wish(1000, 5.0) }, wish(1000, pixels)];
         assert_eq!(chosen(&held(7.0), 16, 2_000), [true, false]);
         assert_eq!(chosen(&held(8.0), 16, 2_000), [false, true]);
-    }
-
-    #[test]
-    fn a_yaw_has_the_nearest_volume_that_is_kept() {
-        let all =
-            |yaws: u32, stride: u32| (0..yaws).map(move |yaw| kept(yaw, yaws, stride)).collect::<Vec<_>>();
-        assert_eq!(all(4, 1), [0, 1, 2, 3]);
-        assert_eq!(all(8, 4), [0, 0, 4, 4, 4, 4, 0, 0]);
-        assert_eq!(all(6, 4), [0, 0, 4, 4, 4, 4]);
-        assert_eq!(all(3, 3), [0, 0, 0]);
     }
 }

@@ -2,6 +2,8 @@
 
 use std::sync::Arc;
 
+use flb_format::container::records::MAX_BANDS;
+
 use super::plants::{Plant, PlantId, find};
 use super::volumes::Volumes;
 use crate::light::LightVolume;
@@ -16,7 +18,7 @@ pub struct Snapshot {
 /// Light of a plant: `sum of factor x volume + rest`.
 #[derive(Debug)]
 pub struct Parts<'s> {
-    /// Four at most. Plants and snapshots share them: the same `Arc` is the same light.
+    /// Eight at most, four of an upright plant. Plants and snapshots share them: the same `Arc` is the same light.
     pub volumes: Vec<(&'s Arc<LightVolume>, f32)>,
     /// Light per band, the same at all points.
     pub rest: Vec<f32>,
@@ -49,25 +51,51 @@ impl Snapshot {
     pub fn at(&self, plant: PlantId, point_m: [f32; 3], out: &mut [f32]) -> bool {
         let Some(plant) = find(&self.plants, plant) else { return false };
         let shown = &self.species[plant.species as usize];
-        let out = &mut out[..shown.mean.len()];
-        let mut light = [0.0; flb_format::container::records::MAX_BANDS as usize];
-        let light = &mut light[..out.len()];
-        out.fill(0.0);
-        let rest = shown.tell(plant, |volume, factor| {
-            volume.at(point_m, light);
-            out.iter_mut().zip(&*light).for_each(|(out, light)| *out += factor * light);
-        });
+        let mut sum = Sum::new(&mut out[..shown.mean.len()]);
+        let rest = shown.tell(plant, |volume, factor| sum.add(volume, factor, point_m));
         out.iter_mut().zip(&shown.mean).for_each(|(out, mean)| *out += rest * mean);
         true
     }
 
-    /// Light of a plant as a sum of volumes, for a GPU that holds them; `None` where there is no such plant.
+    /// Light of a plant as a sum of volumes: for many points of it, or for a GPU that holds volumes. `None` where there
+    /// is no such plant.
     pub fn parts(&self, plant: PlantId) -> Option<Parts<'_>> {
         let plant = find(&self.plants, plant)?;
         let shown = &self.species[plant.species as usize];
         let mut volumes = Vec::new();
         let rest = shown.tell(plant, |volume, factor| volumes.push((volume, factor)));
         Some(Parts { volumes, rest: shown.mean.iter().map(|mean| rest * mean).collect() })
+    }
+}
+
+impl Parts<'_> {
+    /// Light per band at a point, as [`Snapshot::at`].
+    ///
+    /// # Panics
+    /// If `out` is shorter than the bands.
+    pub fn at(&self, point_m: [f32; 3], out: &mut [f32]) {
+        let mut sum = Sum::new(&mut out[..self.rest.len()]);
+        self.volumes.iter().for_each(|(volume, factor)| sum.add(volume, *factor, point_m));
+        out.iter_mut().zip(&self.rest).for_each(|(out, rest)| *out += rest);
+    }
+}
+
+/// Light of volumes, added up.
+struct Sum<'o> {
+    out: &'o mut [f32],
+    light: [f32; MAX_BANDS as usize],
+}
+
+impl<'o> Sum<'o> {
+    fn new(out: &'o mut [f32]) -> Sum<'o> {
+        out.fill(0.0);
+        Sum { out, light: [0.0; MAX_BANDS as usize] }
+    }
+
+    fn add(&mut self, volume: &LightVolume, factor: f32, point_m: [f32; 3]) {
+        let light = &mut self.light[..self.out.len()];
+        volume.at(point_m, light);
+        self.out.iter_mut().zip(light).for_each(|(out, light)| *out += factor * *light);
     }
 }
 

@@ -1,21 +1,29 @@
 //! The volumes of one species: which are wanted, and which are shown.
 
-use std::collections::BTreeSet;
+use std::collections::{BTreeMap, BTreeSet};
 use std::sync::Arc;
 
 use super::ForestSettings;
-use super::plants::Turn;
-use super::room::kept;
+use super::room::Wish;
 use super::snapshot::Shown;
+use super::stand::Stand;
+use super::suns::{Extent, Suns};
 use super::volumes::{Made, Volumes, Wanted, lit_at};
 use crate::light::LightVolume;
 use crate::resident::{LightLevel, ResidentSpecies};
 use crate::{Daylight, InstanceLight};
 
+/// Part of a step that the sun moves before plants are counted anew.
+const AIM: f64 = 0.125;
+
 /// Light of a species.
 pub(super) struct Lit {
-    /// `[yaw]`: plants that ask for it.
-    used: Vec<u32>,
+    /// Those of the volumes that are wanted.
+    suns: Suns,
+    /// By yaw: upright plants that ask for it.
+    upright: BTreeMap<u32, u32>,
+    /// By cell of the suns: tilted plants that ask for it.
+    tilted: BTreeMap<u32, u32>,
     now: Option<Arc<Volumes>>,
     before: Option<Arc<Volumes>>,
     /// Frames that `now` has been there, as far as it counts.
@@ -29,26 +37,66 @@ pub(super) struct Lit {
 
 impl Lit {
     pub(super) fn new(settings: &ForestSettings) -> Lit {
-        let (used, blend_frames) = (vec![0; settings.yaws as usize], settings.blend_frames);
-        Lit { used, now: None, before: None, age: 0, blend_frames, unseen: 0, is_awaited: false }
-    }
-
-    /// Counts a plant that comes (1) or goes (-1).
-    pub(super) fn count(&mut self, turn: Turn, plants: i32) {
-        for (turn, _) in turn.both(self.used.len() as u32) {
-            let used = &mut self.used[turn as usize];
-            *used = used.saturating_add_signed(plants);
+        Lit {
+            suns: Suns::of([0.0, 1.0, 0.0], settings.yaws),
+            upright: BTreeMap::new(),
+            tilted: BTreeMap::new(),
+            now: None,
+            before: None,
+            age: 0,
+            blend_frames: settings.blend_frames,
+            unseen: 0,
+            is_awaited: false,
         }
     }
 
-    /// Yaws that plants ask for.
-    pub(super) fn yaws(&self) -> u32 {
-        self.used.iter().filter(|used| **used > 0).count() as u32
+    /// Counts a plant that comes (1) or goes (-1).
+    pub(super) fn count(&mut self, stand: Stand, plants: i32) {
+        fn count(all: &mut BTreeMap<u32, u32>, places: impl Iterator<Item = (u32, f32)>, plants: i32) {
+            for (place, _) in places {
+                let count = all.entry(place).or_default();
+                *count = count.saturating_add_signed(plants);
+                if *count == 0 {
+                    all.remove(&place);
+                }
+            }
+        }
+        match stand {
+            Stand::Upright(turn) => count(&mut self.upright, self.suns.yaws_of(turn), plants),
+            Stand::Tilted(_) => count(&mut self.tilted, self.suns.cells(stand, 1), plants),
+        }
     }
 
-    /// Memory of one of its volumes, as far as is known.
-    pub(super) fn volume_bytes(&self, species: &ResidentSpecies) -> u64 {
-        species.shared().map_or(0, |shared| LightVolume::bytes_of(&shared.map, species.bands())) as u64
+    /// Takes the suns of the daylight for those of which volumes are wanted, unless some are being made or blended in.
+    /// True where tilted plants are to be counted again.
+    pub(super) fn aim(&mut self, day: &Daylight, settings: &ForestSettings) -> bool {
+        let suns = match &self.now {
+            _ if self.is_awaited || !self.is_shown() => return false,
+            Some(now) if now.fits(day, settings.step_deg) => now.suns,
+            _ if self.suns.are_near(day.towards_sun, AIM * settings.step_deg) => return false,
+            _ => Suns::of(day.towards_sun, settings.yaws),
+        };
+        let is_other = suns != self.suns && !self.tilted.is_empty();
+        self.suns = suns;
+        if is_other {
+            self.tilted.clear();
+        }
+        is_other
+    }
+
+    /// Room that its volumes ask for, where it is seen at so many pixels.
+    pub(super) fn wish(&self, species: &ResidentSpecies, pixels: f32) -> Wish {
+        let map = species.shared().map(|shared| &shared.map);
+        let bytes = map.map_or(0, |map| LightVolume::bytes_of(map, species.bands())) as u64;
+        let there = [&self.now, &self.before].into_iter().flatten().map(|volumes| volumes.extent);
+        let extent = there.fold(self.suns.extent(self.cells()), Extent::max);
+        Wish { bytes, extent, pixels, has_some: self.has_volumes() }
+    }
+
+    /// Cells that plants ask for; some twice.
+    pub(super) fn cells(&self) -> impl Iterator<Item = u32> {
+        let first = self.suns.own * self.suns.yaws;
+        self.upright.keys().map(move |yaw| first + yaw).chain(self.tilted.keys().copied())
     }
 
     /// Whether there are volumes of it.
@@ -56,22 +104,30 @@ impl Lit {
         self.now.is_some()
     }
 
-    /// Drops volumes but for those of every so manieth yaw, or all of them.
+    /// Drops volumes but for those of every so manieth row and yaw, or all of them.
     pub(super) fn keep(&mut self, stride: Option<u32>) {
         let Some(stride) = stride.filter(|_| self.has_volumes()) else {
             (self.now, self.before) = (None, None);
             return;
         };
-        let asked = self.asked(stride);
-        let kept = |volumes: Option<Arc<Volumes>>| Volumes::kept(volumes?, stride, &asked);
-        self.now = kept(self.now.take());
-        self.before = kept(self.before.take()).filter(|_| self.now.is_some());
+        let kept = |volumes: Option<Arc<Volumes>>| {
+            let volumes = volumes?;
+            let stride = self.stride_by(&volumes.day, stride);
+            Volumes::kept(volumes, stride, &self.suns, &self.asked(stride))
+        };
+        let (now, before) = (kept(self.now.clone()), kept(self.before.clone()));
+        self.before = before.filter(|_| now.is_some());
+        self.now = now;
     }
 
-    /// Yaws of which volumes are wanted, of every so manieth.
+    /// Cells of which volumes are wanted, of every so manieth row and yaw.
     fn asked(&self, stride: u32) -> BTreeSet<u32> {
-        let used = (0..).zip(&self.used).filter(|(_, used)| **used > 0);
-        used.map(|(turn, _)| kept(turn, self.used.len() as u32, stride)).collect()
+        self.cells().flat_map(|cell| self.suns.around(cell, stride)).collect()
+    }
+
+    /// Every how-manieth row and yaw has a volume: one alone without a sun, as all are alike.
+    fn stride_by(&self, day: &Daylight, stride: u32) -> u32 {
+        if day.sun == 0.0 { self.suns.yaws } else { stride }
     }
 
     /// A frame passes.
@@ -99,23 +155,26 @@ impl Lit {
             // Of no light at all nothing could be shown that is brighter later.
             return None;
         }
-        let now = self.now.as_ref().filter(|now| now.fits(day, settings.step_deg));
+        let fits = |now: &&Arc<Volumes>| now.suns == self.suns && now.fits(day, settings.step_deg);
+        let now = self.now.as_ref().filter(fits);
         // Those that can be made, and whether they would be better than what is there.
-        let turns: Vec<u32> = self
+        let day = now.map_or(Daylight { towards_sun: self.suns.towards_sun, ..*day }, |now| now.day);
+        let stride = self.stride_by(&day, stride);
+        let cells: Vec<u32> = self
             .asked(stride)
             .into_iter()
-            .filter(|turn| {
-                let level = lit_at(species, day, *turn, settings.yaws).level();
-                level >= LightLevel::Averages && now.is_none_or(|now| now.level(*turn) < Some(level))
+            .filter(|cell| {
+                let level = lit_at(species, &day, self.suns.sun(*cell)).level();
+                level >= LightLevel::Averages && now.is_none_or(|now| now.level(*cell) < Some(level))
             })
             .collect();
-        if turns.is_empty() {
+        if cells.is_empty() {
             return None;
         }
         let waits = self.is_awaited || !self.is_shown();
-        let day = now.map_or(*day, |now| now.day);
         let is_first = self.now.is_none();
-        Some(Wanted { day, turns: if waits { Vec::new() } else { turns }, is_first })
+        let cells = if waits { Vec::new() } else { cells };
+        Some(Wanted { day, suns: self.suns, stride, cells, is_first })
     }
 
     /// Whether nothing is being blended in.
@@ -137,8 +196,11 @@ impl Lit {
 
     /// Memory of the volumes, each counted once.
     pub(super) fn size_bytes(&self) -> usize {
-        let mut all: Vec<&Arc<LightVolume>> =
-            [&self.now, &self.before].into_iter().flatten().flat_map(|volumes| volumes.volumes()).collect();
+        let mut all: Vec<&Arc<LightVolume>> = [&self.now, &self.before]
+            .into_iter()
+            .flatten()
+            .flat_map(|volumes| volumes.volumes().map(|(_, volume)| volume))
+            .collect();
         all.sort_unstable_by_key(|volume| Arc::as_ptr(volume));
         all.dedup_by_key(|volume| Arc::as_ptr(volume));
         all.iter().map(|volume| volume.size_bytes()).sum()
@@ -155,7 +217,7 @@ impl Lit {
             before: self.before.as_ref().map(scaled),
             share,
             mean,
-            yaws: self.used.len() as u32,
+            yaws: self.suns.yaws,
         }
     }
 }

@@ -8,6 +8,8 @@ use super::*;
 use crate::SpeciesLight;
 use crate::plants::{library_of_three, noise};
 
+pub(super) mod tilted;
+
 const SHRUB: usize = 2;
 const DAY: Daylight = Daylight { towards_sun: [0.6, 0.5, -0.62], sun: 1.2, sky: 0.3 };
 /// Most frames until all is there.
@@ -140,14 +142,10 @@ fn a_sun_that_moves_on_is_followed_by_steps_and_its_strength_at_once() {
         let report = forest.frame(&camera(), &noon, Work::run);
         let snapshot = forest.snapshot();
         seen.push(light(&snapshot, id));
-        // A GPU adds up the same.
+        // The parts of it add up to the same.
         let parts = snapshot.parts(id).expect("a plant");
-        let (mut rgb, mut one) = ([0.0; 3], [0.0; 3]);
-        for (volume, factor) in &parts.volumes {
-            volume.at(point(0), &mut one);
-            rgb.iter_mut().zip(one).for_each(|(sum, light)| *sum += factor * light);
-        }
-        rgb.iter_mut().zip(&parts.rest).for_each(|(sum, rest)| *sum += rest);
+        let mut rgb = [f32::NAN; 3];
+        parts.at(point(0), &mut rgb);
         assert!(rgb == seen[seen.len() - 1][0] && (1..=2).contains(&parts.volumes.len()));
         if report.is_final {
             break;
@@ -347,10 +345,11 @@ fn a_flight_keeps_its_promises_at_every_budget() {
     let stands = |number: u32| {
         let [x, z, yaw] = [1, 2, 3].map(|what| f64::from(noise(number, what)));
         let position_m = [80.0 * x - 40.0, 0.0, 80.0 * z - 40.0];
-        Placement {
-            species: number as usize % 3,
-            transform: Transform::from_yaw(position_m, 360.0 * yaw, 1.0),
-        }
+        // Every fourth one is tilted.
+        let upright = Transform::from_yaw(position_m, 360.0 * yaw, 1.0);
+        let tilt = Transform::from_quaternion(position_m, [x - 0.5, yaw - 0.5, 0.5 - z, 0.9], 1.0);
+        let transform = if number.is_multiple_of(4) { tilt.expect("a rotation") } else { upright };
+        Placement { species: number as usize % 3, transform }
     };
     let mut levels = Vec::new();
     for budget_bytes in [4 << 10, 32 << 10, 128 << 10, 8 << 20] {

@@ -1,14 +1,12 @@
-//! Volumes of a species at some yaws under one daylight: how they are made, and which light they have.
+//! Volumes of a species under one daylight: how they are made, and which light they have.
 
-use std::collections::BTreeSet;
+use std::collections::{BTreeMap, BTreeSet};
 use std::sync::Arc;
 
-use flb_format::Transform;
-
 use super::plants::Plant;
+use super::suns::{Extent, Suns};
 use crate::light::LightVolume;
 use crate::resident::{LightLevel, ResidentSpecies};
-use crate::sun_terms::unit;
 use crate::{Daylight, InstanceLight, SpeciesLight};
 
 /// Share by which the strengths of sun and sky may change apart before volumes are made anew.
@@ -20,21 +18,21 @@ const PARTS: usize = 4;
 /// Volumes to be made.
 pub(super) struct Wanted {
     pub day: Daylight,
-    /// Yaws.
-    pub turns: Vec<u32>,
+    pub suns: Suns,
+    /// Every how-manieth row and yaw has a volume.
+    pub stride: u32,
+    /// Cells of the suns.
+    pub cells: Vec<u32>,
     /// Whether nothing is shown yet.
     pub is_first: bool,
 }
 
-/// The light of a plant at one of so many yaws.
+/// The light of plants under one of the suns, which is a vector in the model's frame.
 pub(super) fn lit_at<'s>(
     species: &'s ResidentSpecies,
     day: &Daylight,
-    turn: u32,
-    yaws: u32,
+    towards_sun: [f64; 3],
 ) -> InstanceLight<'s> {
-    let stands = Transform::from_yaw([0.0; 3], 360.0 * f64::from(turn) / f64::from(yaws), 1.0);
-    let towards_sun = stands.model_from_world_direction(day.towards_sun);
     InstanceLight::new(species, &Daylight { towards_sun, ..*day })
 }
 
@@ -42,13 +40,15 @@ pub(super) fn lit_at<'s>(
 #[derive(Debug, Clone)]
 pub(super) struct Made {
     pub day: Daylight,
-    /// `[yaw]`
-    pub turns: Vec<Option<Turned>>,
+    pub suns: Suns,
+    pub stride: u32,
+    /// By the cell of the suns.
+    pub lit: BTreeMap<u32, CellLight>,
 }
 
-/// The volume of a yaw, and how complete its light is.
+/// The volume of a cell, and how complete its light is.
 #[derive(Debug, Clone)]
-pub(super) struct Turned {
+pub(super) struct CellLight {
     pub volume: Arc<LightVolume>,
     pub level: LightLevel,
 }
@@ -57,54 +57,70 @@ pub(super) struct Turned {
 #[derive(Debug)]
 pub(super) struct Volumes {
     pub day: Daylight,
-    /// `[yaw]`
-    turns: Vec<Option<Turned>>,
-    /// `[yaw]`: itself, or the nearest that is there.
-    nearest: Vec<usize>,
+    pub suns: Suns,
+    /// Every how-manieth row and yaw plants lie between.
+    pub stride: u32,
+    pub extent: Extent,
+    /// By the cell of the suns.
+    lit: BTreeMap<u32, CellLight>,
+    /// `[cell]`: itself, or the nearest that is there.
+    nearest: Vec<u32>,
 }
 
 impl Volumes {
     /// With those of before that are of the same daylight and were not made anew; `None` where there is none.
     pub(super) fn of(made: Made, before: Option<&Volumes>) -> Option<Volumes> {
-        let Made { day, mut turns } = made;
+        let Made { day, suns, stride, mut lit } = made;
         if let Some(before) = before.filter(|before| before.day == day) {
-            let all = turns.iter_mut().zip(&before.turns);
-            all.filter(|(turn, _)| turn.is_none()).for_each(|(turn, before)| turn.clone_from(before));
+            for (cell, one) in &before.lit {
+                lit.entry(*cell).or_insert_with(|| one.clone());
+            }
         }
-        let count = turns.len();
-        let there: Vec<usize> = (0..count).filter(|turn| turns[*turn].is_some()).collect();
-        let apart = |a: usize, b: usize| a.abs_diff(b).min(count - a.abs_diff(b));
-        let nearest = |turn: usize| there.iter().copied().min_by_key(|other| apart(turn, *other));
-        let nearest: Option<Vec<usize>> = (0..count).map(nearest).collect();
-        Some(Volumes { day, nearest: nearest?, turns })
+        let extent = suns.extent(lit.keys().copied());
+        let nearest = suns.nearest(lit.keys().copied());
+        (!lit.is_empty()).then_some(Volumes { day, suns, stride, extent, lit, nearest })
     }
 
-    /// Those of every so manieth yaw, and of those that are asked for alone once all of these are there; `None` where
-    /// none is left.
-    pub(super) fn kept(all: Arc<Volumes>, stride: u32, asked: &BTreeSet<u32>) -> Option<Arc<Volumes>> {
-        let is_whole = asked.iter().all(|turn| all.turns[*turn as usize].is_some());
-        let stays = |turn: u32| if is_whole { asked.contains(&turn) } else { turn.is_multiple_of(stride) };
-        let there = (0..).zip(&all.turns).filter(|(_, turned)| turned.is_some());
-        if there.map(|(turn, _)| turn).all(stays) {
+    /// Those of every so manieth row and yaw, and of those that are asked for of the same suns alone once all of these
+    /// are there; `None` where none is left.
+    pub(super) fn kept(
+        all: Arc<Volumes>,
+        stride: u32,
+        suns: &Suns,
+        asked: &BTreeSet<u32>,
+    ) -> Option<Arc<Volumes>> {
+        let is_whole = all.suns == *suns && asked.iter().all(|cell| all.lit.contains_key(cell));
+        let stays = |cell: u32| match is_whole {
+            true => asked.contains(&cell),
+            false => all.suns.around(cell, stride) == [cell; 4],
+        };
+        let stride = if is_whole { stride } else { stride.max(all.stride) };
+        if stride == all.stride && all.lit.keys().all(|cell| stays(*cell)) {
             return Some(all);
         }
-        let of = |(turn, turned): (u32, &Option<Turned>)| turned.clone().filter(|_| stays(turn));
-        let turns = (0..).zip(&all.turns).map(of).collect();
-        Volumes::of(Made { day: all.day, turns }, None).map(Arc::new)
+        let there = all.lit.iter().filter(|(cell, _)| stays(**cell));
+        let lit = there.map(|(cell, one)| (*cell, one.clone())).collect();
+        Volumes::of(Made { day: all.day, suns: all.suns, stride, lit }, None).map(Arc::new)
     }
 
-    /// Completeness of the volume of a yaw.
-    pub(super) fn level(&self, turn: u32) -> Option<LightLevel> {
-        self.turns[turn as usize].as_ref().map(|turned| turned.level)
+    /// Completeness of the volume of a cell.
+    pub(super) fn level(&self, cell: u32) -> Option<LightLevel> {
+        self.lit.get(&cell).map(|lit| lit.level)
     }
 
-    /// The volume that plants at a yaw have.
-    pub(super) fn at_yaw(&self, yaw: u32) -> Option<&Arc<LightVolume>> {
-        self.turns[self.nearest[yaw as usize]].as_ref().map(|turned| &turned.volume)
+    /// The volume of a cell, or the nearest.
+    pub(super) fn at_cell(&self, cell: u32) -> Option<&Arc<LightVolume>> {
+        self.lit.get(self.nearest.get(cell as usize)?).map(|lit| &lit.volume)
     }
 
-    pub(super) fn volumes(&self) -> impl Iterator<Item = &Arc<LightVolume>> {
-        self.turns.iter().flatten().map(|turned| &turned.volume)
+    /// Each volume with its cell.
+    pub(super) fn volumes(&self) -> impl Iterator<Item = (u32, &Arc<LightVolume>)> {
+        self.lit.iter().map(|(cell, lit)| (*cell, &lit.volume))
+    }
+
+    /// `[cell]`: the cell whose volume it has.
+    pub(super) fn nearest(&self) -> &[u32] {
+        &self.nearest
     }
 
     /// Tells the volumes of a plant, with their shares of `share`.
@@ -114,8 +130,8 @@ impl Volumes {
         share: f32,
         mut tell: impl FnMut(&'v Arc<LightVolume>, f32),
     ) {
-        for (turn, weight) in plant.turn.both(self.turns.len() as u32) {
-            if let Some(volume) = self.at_yaw(turn) {
+        for (cell, weight) in self.suns.cells(plant.stand, self.stride) {
+            if let Some(volume) = self.at_cell(cell) {
                 tell(volume, share * weight);
             }
         }
@@ -128,14 +144,7 @@ impl Volumes {
         if !(alike(self.day.sun, day.sun) && alike(self.day.sky, day.sky)) {
             return false;
         }
-        match (unit(self.day.towards_sun), unit(day.towards_sun)) {
-            _ if day.sun == 0.0 => true,
-            (Some(made), Some(asked)) => {
-                let cos: f64 = made.iter().zip(asked).map(|(a, b)| a * b).sum();
-                cos >= libm::cos(step_deg.to_radians())
-            }
-            _ => false,
-        }
+        day.sun == 0.0 || self.suns.are_near(day.towards_sun, step_deg)
     }
 
     /// Factor by which all of their light is brighter now.
@@ -145,27 +154,23 @@ impl Volumes {
     }
 }
 
-/// Makes the light of a sun and a sky on a species at some yaws. Where nothing is shown yet, `some` takes those that
-/// are made.
+/// Makes the light of suns and a sky on a species. Where nothing is shown yet, `some` takes those that are made.
 pub(super) fn make(
     species: &ResidentSpecies,
-    Wanted { day, turns, is_first }: &Wanted,
-    yaws: u32,
+    Wanted { day, suns, stride, cells, is_first }: &Wanted,
     some: impl Fn(Made),
 ) -> Made {
     // Lists of sites that sums need are of this work alone: they are larger than all that is read.
     let species = &species.clone();
     let light = SpeciesLight::streamed(species);
     let near = if day.sun != 0.0 { light.near() } else { None };
-    let mut made = Made { day: *day, turns: vec![None; yaws as usize] };
-    // Every fourth part of the circle first, so that no plant is far from one that is there.
-    let parts = turns.len().div_ceil(PARTS);
-    let spread = (0..parts).flat_map(|first| turns.iter().skip(first).step_by(parts));
-    for (number, turn) in spread.enumerate() {
-        let lit = lit_at(species, day, *turn, yaws);
+    let mut made = Made { day: *day, suns: *suns, stride: *stride, lit: BTreeMap::new() };
+    for (number, cell) in suns.spread(cells, PARTS).into_iter().enumerate() {
+        let lit = lit_at(species, day, suns.sun(cell));
         let level = lit.level();
-        let volume = lit.prepared_by(near.as_ref()).volume();
-        made.turns[*turn as usize] = volume.map(|volume| Turned { volume: Arc::new(volume), level });
+        if let Some(volume) = lit.prepared_by(near.as_ref()).volume() {
+            made.lit.insert(cell, CellLight { volume: Arc::new(volume), level });
+        }
         if *is_first && number % PARTS == PARTS - 1 {
             some(made.clone());
         }

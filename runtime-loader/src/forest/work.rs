@@ -45,7 +45,7 @@ pub struct Work {
 
 enum Task {
     Read { library: Arc<Library>, units: Arc<Units>, job: Job },
-    Light { number: usize, species: Arc<ResidentSpecies>, wanted: Wanted, yaws: u32 },
+    Light { number: usize, species: Arc<ResidentSpecies>, wanted: Wanted },
 }
 
 impl Work {
@@ -58,10 +58,9 @@ impl Work {
         number: usize,
         species: Arc<ResidentSpecies>,
         wanted: Wanted,
-        yaws: u32,
         inbox: &Arc<Inbox>,
     ) -> Work {
-        let task = Task::Light { number, species, wanted, yaws };
+        let task = Task::Light { number, species, wanted };
         Work { task: Some(task), inbox: Arc::clone(inbox) }
     }
 
@@ -75,9 +74,9 @@ impl Work {
         let Some(task) = &self.task else { return };
         let done = match task {
             Task::Read { library, units, job } => Done::Read(stream::read(library, units, job)),
-            Task::Light { number, species, wanted, yaws } => {
+            Task::Light { number, species, wanted } => {
                 let some = |made| self.inbox.push(Done::Some(*number, made));
-                Done::Light(*number, Some(make(species, wanted, *yaws, some)))
+                Done::Light(*number, Some(make(species, wanted, some)))
             }
         };
         self.task = None;

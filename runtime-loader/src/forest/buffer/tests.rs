@@ -2,6 +2,7 @@ use flb_format::Transform;
 use flb_format::sun::towards_sun;
 
 use super::*;
+use crate::forest::tests::tilted::tilted;
 use crate::forest::tests::{camera, forest, plant, point, quick};
 use crate::forest::{Forest, ForestSettings, Work};
 use crate::light::volume_words::tests::on_gpu;
@@ -63,10 +64,13 @@ fn assert_same(memory: &Memory, forest: &Forest, plants: &[PlantId]) {
 #[test]
 fn a_gpu_has_the_light_of_the_snapshot_while_the_sun_moves_and_plants_come_and_go() {
     let mut forest = forest(quick());
-    let mut memory = Memory::new(settings());
+    let mut memory = Memory::new(BufferSettings { bytes: 32 << 20, ..settings() });
     let stands = [(0, 90.0), (0, 101.0), (1, 10.0), (2, 359.99), (2, 200.0)];
     let mut plants: Vec<PlantId> =
         stands.iter().map(|(species, yaw)| forest.add(&plant(*species, *yaw)).expect("a species")).collect();
+    // Tilted, and upside down.
+    let rotations = [[0.1, 0.2, -0.05, 1.0], [-0.4, 0.6, 0.5, 0.3], [1.0, 0.0, 0.0, 0.0]];
+    plants.splice(0..0, rotations.map(|rotation| forest.add(&tilted(0, rotation)).expect("a species")));
     // Before the first frame there is nothing to follow, and at first the mean light alone.
     assert_eq!(memory.follow(&forest), Followed::default());
     forest.frame(&camera(), &sun(100.0), Work::run);
@@ -78,10 +82,11 @@ fn a_gpu_has_the_light_of_the_snapshot_while_the_sun_moves_and_plants_come_and_g
         let followed = memory.follow(&forest);
         assert_eq!((followed.lacking_bytes, followed.plants_left_out), (0, 0));
         if frame == 30 {
-            assert!(forest.remove(plants[1]));
-            plants[1] = forest.add(&plant(1, 77.0)).expect("a species");
-            assert!(forest.set(plants[3], &plant(0, 45.0)).expect("a species"));
-            assert!(forest.remove(plants.pop().expect("five")));
+            assert!(forest.remove(plants[4]));
+            plants[4] = forest.add(&plant(1, 77.0)).expect("a species");
+            assert!(forest.set(plants[6], &plant(0, 45.0)).expect("a species"));
+            assert!(forest.set(plants[0], &tilted(1, [0.2, -0.3, 0.4, 0.9])).expect("a species"));
+            assert!(forest.remove(plants.pop().expect("eight")));
         } else if followed.is_complete && frame % 7 == 0 {
             assert_same(&memory, &forest, &plants);
             states += 1;
@@ -124,7 +129,7 @@ fn a_frame_writes_no_more_than_it_may_and_what_is_read_is_not_written_over() {
     let mut memory = Memory::new(small);
     let frames = settle(&mut forest, &mut memory, &sun(100.0));
     let one = memory.buffer.volume_bytes() / 4;
-    let tables = 4 * u64::from(HEAD + SPECIES + 8 + PLANT * 64);
+    let tables = 4 * (u64::from(HEAD + PLANT * 64) + words_of(4) as u64);
     // One volume a frame.
     assert!(frames.iter().skip(1).all(|frame| frame.written_bytes <= one + tables), "{frames:?}");
     assert!(frames.iter().filter(|frame| !frame.is_complete).count() >= 3);
@@ -159,7 +164,7 @@ fn a_buffer_too_small_for_two_suns_shows_the_mean_light_between_them_and_never_o
     let snapshot = forest.snapshot();
     let parts = snapshot.parts(plants[0]).expect("a plant");
     let all = 4 * 4 * parts.volumes[0].0.word_count() as u64;
-    let tables = 4 * u64::from(HEAD + 3 * (SPECIES + 8) + PLANT * 64);
+    let tables = 4 * (u64::from(HEAD + PLANT * 64) + 3 * words_of(4) as u64);
     let mut memory = Memory::new(BufferSettings { bytes: tables + all * 3 / 2, ..settings() });
     for azimuth_deg in [100.0, 150.0, 200.0] {
         let frames = settle(&mut forest, &mut memory, &sun(azimuth_deg));
@@ -193,7 +198,7 @@ fn without_room_plants_keep_the_light_that_they_had_and_the_lack_is_told() {
     let mut forest = forest(ForestSettings { yaws: 4, ..quick() });
     let id = forest.add(&plant(0, 0.0)).expect("a species");
     let other = forest.add(&Placement { species: 1, transform: Transform::IDENTITY }).expect("a species");
-    let tables = 4 * u64::from(HEAD + 3 * (SPECIES + 8) + PLANT);
+    let tables = 4 * (u64::from(HEAD + PLANT) + 3 * words_of(4) as u64);
     let mut memory = Memory::new(BufferSettings { bytes: tables + 400, max_plants: 1, ..settings() });
     let frames = settle(&mut forest, &mut memory, &sun(100.0));
     let last = frames[frames.len() - 1];
@@ -203,4 +208,24 @@ fn without_room_plants_keep_the_light_that_they_had_and_the_lack_is_told() {
     // Its species' mean light, as it is under this sun.
     assert!(found[0].iter().all(|band| *band > 0.01 && *band < 10.0), "{found:?}");
     assert_eq!(found[1], [0.0; 3]);
+}
+
+#[test]
+fn with_fewer_volumes_plants_blend_those_that_there_are() {
+    let stands = [plant(0, 101.0), plant(0, 290.0), tilted(0, [0.1, 0.2, -0.05, 1.0])];
+    let settled = |max_volume_bytes: u64| {
+        let mut forest = forest(ForestSettings { max_volume_bytes, ..quick() });
+        let ids = stands.map(|stands| forest.add(&stands).expect("a species"));
+        let mut memory = Memory::new(BufferSettings { bytes: 32 << 20, ..settings() });
+        settle(&mut forest, &mut memory, &sun(100.0));
+        assert_same(&memory, &forest, &ids);
+        let report = forest.frame(&camera(), &sun(100.0), drop);
+        let parts = ids.map(|id| forest.snapshot().parts(id).expect("a plant").volumes.len());
+        (report.yaws, report.volume_bytes as u64, parts)
+    };
+    let (yaws, all, parts) = settled(u64::MAX);
+    assert_eq!((yaws, parts), (8, [2, 2, 4]));
+    let (yaws, some, parts) = settled(2 * all - 1);
+    assert!((2..8).contains(&yaws) && some < all, "{yaws} {some} {all}");
+    assert!(parts.iter().all(|count| *count >= 2), "{parts:?}");
 }

@@ -6,7 +6,7 @@
 // `flb_volume(volume, point_m)` is the light at a point of the model at rest, red, green and blue, of eight
 // texels. `volume` is the word at which a volume begins.
 //
-// `flb_light(forest, plant, point_m)` is that of a plant of a forest (ForestBuffer): the sum of up to four volumes.
+// `flb_light(forest, plant, point_m)` is that of a plant of a forest (ForestBuffer): the sum of up to eight volumes.
 // `forest` is the word at which its buffer begins, `plant` the number of the plant there.
 
 // Words of a volume's head.
@@ -114,8 +114,71 @@ const FLB_FOREST_PLANTS: u32 = 1u;
 const FLB_FOREST_MAX_PLANTS: u32 = 2u;
 const FLB_SPECIES_FACTOR: u32 = 1u;
 const FLB_SPECIES_REST: u32 = 3u;
-const FLB_SPECIES_VOLUMES: u32 = 8u;
-const FLB_PLANT: u32 = 2u;
+const FLB_SPECIES_STEP_DEG: u32 = 6u;
+const FLB_SPECIES_SUNS: u32 = 8u;
+const FLB_SPECIES_VOLUMES: u32 = 24u;
+// Words of a sun, which begins with a unit vector.
+const FLB_SUN: u32 = 8u;
+const FLB_SUN_AZIMUTH: u32 = 3u;
+const FLB_SUN_ELEVATION: u32 = 4u;
+const FLB_SUN_OWN_ROW: u32 = 5u;
+const FLB_SUN_TOP_ROW: u32 = 6u;
+const FLB_SUN_STRIDE: u32 = 7u;
+const FLB_PLANT: u32 = 4u;
+const FLB_PLANT_TILTED: u32 = 0x80000000u;
+
+// The two rows and yaws between which a plant's sun lies, with the shares of the second ones.
+struct FlbCells {
+    rows: vec2<u32>,
+    yaws: vec2<u32>,
+    second_row: f32,
+    second_yaw: f32,
+}
+
+// A share of less than a thousandth is none, and one of nearly all is all.
+fn flb_share(share: f32) -> f32 {
+    return select(select(0.0, share, share >= 0.001), 1.0, share > 0.999);
+}
+
+// Where a plant lies whose record begins at a word, under a sun that begins at another.
+fn flb_cells(record: u32, species: u32, sun: u32) -> FlbCells {
+    let yaws = flb_volumes[species];
+    let own = flb_volumes[sun + FLB_SUN_OWN_ROW];
+    let stride = flb_volumes[sun + FLB_SUN_STRIDE];
+    var turn = bitcast<f32>(flb_volumes[record + 1u]);
+    var rows = vec2<u32>(own);
+    var second_row = 0.0;
+    if flb_volumes[record] >= FLB_PLANT_TILTED {
+        let v = flb_volume_floats(record + 1u);
+        let w = sqrt(max(0.0, 1.0 - dot(v, v)));
+        let towards_sun = flb_volume_floats(sun);
+        let once = cross(v, towards_sun);
+        // The world's direction in the model's frame.
+        let seen = towards_sun + 2.0 * (cross(v, once) - w * once);
+        let across = length(seen.xz);
+        var azimuth_deg = 0.0;
+        if across > 0.0 {
+            azimuth_deg = degrees(atan2(seen.x, -seen.z));
+        }
+        let elevation_deg = degrees(atan2(seen.y, max(across, 1e-9)));
+        // More than a whole turn is added, as the rest of a negative number is negative.
+        let sun_azimuth_deg = bitcast<f32>(flb_volumes[sun + FLB_SUN_AZIMUTH]);
+        turn = ((sun_azimuth_deg - azimuth_deg) / 360.0 + 2.0) * f32(yaws);
+        turn -= floor(turn / f32(yaws)) * f32(yaws);
+        let sun_deg = bitcast<f32>(flb_volumes[sun + FLB_SUN_ELEVATION]);
+        let step_deg = bitcast<f32>(flb_volumes[species + FLB_SPECIES_STEP_DEG]);
+        let wide = f32(stride);
+        let low = f32(own) + floor((elevation_deg - sun_deg) / (step_deg * wide)) * wide;
+        let between = clamp(vec2<f32>(low, low + wide), vec2<f32>(0.0), vec2<f32>(f32(flb_volumes[sun + FLB_SUN_TOP_ROW])));
+        let heights_deg = clamp(sun_deg + (between - f32(own)) * step_deg, vec2<f32>(-90.0), vec2<f32>(90.0));
+        rows = vec2<u32>(between);
+        second_row = flb_share((elevation_deg - heights_deg.x) / max(heights_deg.y - heights_deg.x, 0.001));
+    }
+    let first = min(u32(turn), yaws - 1u) / stride * stride;
+    let span = min(stride, yaws - first);
+    let second_yaw = flb_share((turn - f32(first)) / f32(span));
+    return FlbCells(rows, vec2<u32>(first, (first + span) % yaws), second_row, second_yaw);
+}
 
 // Light of a plant of a forest at a point of its model at rest, metres; a plant that is not there has none.
 fn flb_light(forest: u32, plant: u32, point_m: vec3<f32>) -> vec3<f32> {
@@ -126,21 +189,31 @@ fn flb_light(forest: u32, plant: u32, point_m: vec3<f32>) -> vec3<f32> {
     if flb_volumes[record] == 0u {
         return vec3<f32>(0.0);
     }
-    let species = forest + flb_volumes[record];
-    let turn = flb_volumes[record + 1u];
+    let species = forest + (flb_volumes[record] & ~FLB_PLANT_TILTED);
     let yaws = flb_volumes[species];
-    let next = f32(turn >> 16u) / 65536.0;
     var light = flb_volume_floats(species + FLB_SPECIES_REST);
-    // Two yaws, of what is shown and of what was before it.
-    for (var part = 0u; part < 4u; part += 1u) {
-        let later = part >> 1u;
-        let yaw = ((turn & 0xffffu) + later) % yaws;
-        let age = part & 1u;
+    // Of what is shown, and of what was before it.
+    for (var age = 0u; age < 2u; age += 1u) {
         let factor = bitcast<f32>(flb_volumes[species + FLB_SPECIES_FACTOR + age]);
-        let share = factor * select(1.0 - next, next, later == 1u);
-        let volume = flb_volumes[species + FLB_SPECIES_VOLUMES + 2u * yaw + age];
-        if share != 0.0 && volume != 0u {
-            light += share * flb_volume(forest + volume, point_m);
+        if factor == 0.0 {
+            continue;
+        }
+        let cells = flb_cells(record, species, species + FLB_SPECIES_SUNS + FLB_SUN * age);
+        // Two yaws of two rows.
+        for (var part = 0u; part < 4u; part += 1u) {
+            let is_second = vec2<bool>((part & 1u) == 1u, part >= 2u);
+            let of_yaw = select(1.0 - cells.second_yaw, cells.second_yaw, is_second.x);
+            let of_row = select(1.0 - cells.second_row, cells.second_row, is_second.y);
+            let share = factor * of_yaw * of_row;
+            if share == 0.0 {
+                continue;
+            }
+            let row = select(cells.rows.x, cells.rows.y, is_second.y);
+            let cell = row * yaws + select(cells.yaws.x, cells.yaws.y, is_second.x);
+            let volume = flb_volumes[species + FLB_SPECIES_VOLUMES + 2u * cell + age];
+            if volume != 0u {
+                light += share * flb_volume(forest + volume, point_m);
+            }
         }
     }
     return light;
