@@ -11,7 +11,7 @@ use flb_baker::voxelise::{VoxelSettings, voxelise};
 use flb_fixtures::PlantKind;
 use flb_scene::classify::classify;
 use flb_scene::import::import;
-use flb_scene::mesh::{AlphaMode, Image, Material, Texture, Wrap};
+use flb_scene::mesh::{AlphaMode, Filter, Image, Material, Texture, Wrap};
 use flb_scene::{ClassRules, ImportSettings, MaterialClass, Mesh};
 
 const CARDS: usize = 150_000;
@@ -51,6 +51,7 @@ fn crown() -> Mesh {
                 image: 0,
                 wrap: [Wrap::Repeat; 2],
                 transform: [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0]],
+                filter: Filter::Linear,
             }),
             alpha_mode: AlphaMode::Cut { cutoff: 0.5 },
             ..Material::opaque("leaf")

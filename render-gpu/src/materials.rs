@@ -4,7 +4,7 @@ use flb_format::surface::Law;
 use flb_render::forest::export::{FlatModel, linear_from_srgb};
 use flb_scene::MaterialClass;
 use flb_scene::alpha::{Coverage, Cut};
-use flb_scene::mesh::{Image, Material, Texture, Wrap};
+use flb_scene::mesh::{Filter, Image, Material, Texture, Wrap};
 
 use crate::ForestError;
 use crate::layout::{CLASS_LEAF, MAX_MATERIALS, NONE, NOTHING, Words};
@@ -74,7 +74,7 @@ impl Lookups {
         let class = model.classes[index];
         let [unit, reflectance, transmittance] = finish(model, index);
         let [r, g, b, _] = material.base_color;
-        let wrap = image.map_or(0, |(texture, ..)| wrap_bits(texture.wrap))
+        let wrap = image.map_or(0, |(texture, ..)| wrap_bits(texture.wrap) | filter_bit(texture.filter))
             | cut.1.map_or(0, |cut| wrap_bits(cut.wrap()) << 4);
         let [image_u, image_v] = image.map_or([[0.0; 3]; 2], |(texture, image, _)| {
             let row = |axis: usize, texels: u32| {
@@ -164,6 +164,11 @@ fn check_edges(edges: [usize; 2]) -> Result<(), ForestError> {
             most: MAX_TEXELS.into(),
         }),
     }
+}
+
+/// `NEAREST`, behind the wraps of colours and cover.
+fn filter_bit(filter: Filter) -> u32 {
+    u32::from(filter == Filter::Nearest) << 8
 }
 
 /// `WRAP_REPEAT`, `WRAP_CLAMP`, `WRAP_MIRROR`, two bits an axis.

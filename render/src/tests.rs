@@ -2,7 +2,7 @@ use std::f32::consts::FRAC_1_SQRT_2;
 use std::sync::Arc;
 
 use flb_format::Daylight;
-use flb_scene::mesh::{AlphaMode, Image, Material, Texture, Wrap};
+use flb_scene::mesh::{AlphaMode, Filter, Image, Material, Texture, Wrap};
 use flb_scene::sky::{Sky, SkyImage};
 use flb_scene::{MaterialClass, Mesh};
 
@@ -19,7 +19,7 @@ pub(crate) fn material(name: &str, color: [f32; 3]) -> Material {
 
 pub(crate) fn textured(image: u32, wrap: Wrap, alpha_mode: AlphaMode) -> Material {
     let transform = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0]];
-    let texture = Texture { image, wrap: [wrap; 2], transform };
+    let texture = Texture { image, wrap: [wrap; 2], transform, filter: Filter::Linear };
     Material { color_texture: Some(texture), alpha_mode, ..material("textured", [1.0; 3]) }
 }
 

@@ -179,6 +179,18 @@ pub struct Texture {
     pub wrap: [Wrap; 2],
     /// KHR_texture_transform as a row-major 2x3 matrix: `uv' = m * [u, v, 1]`.
     pub transform: [[f32; 3]; 2],
+    /// Colour between the middles of texels.
+    pub filter: Filter,
+}
+
+/// Colour between the middles of texels. Cover is that of the nearest, whatever the filter.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum Filter {
+    /// Mixed of four texels.
+    #[default]
+    Linear,
+    /// Colour of the nearest one, as of a palette (glTF's magFilter 9728).
+    Nearest,
 }
 
 /// Continuation of a texture outside 0..1.

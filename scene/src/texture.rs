@@ -1,7 +1,8 @@
-//! Texture coordinates to colour: bilinear between texel centres, in linear light. What alpha cuts away is
+//! Texture coordinates to colour: bilinear between texel centres, in linear light, or the nearest texel where the file
+//! asks for it. What alpha cuts away is
 //! asked of [`crate::alpha`], so that a picture cuts a leaf where the medium was cut.
 
-use crate::mesh::{Image, Material, Texture, Wrap};
+use crate::mesh::{Filter, Image, Material, Texture, Wrap};
 use glam::Vec3;
 
 /// sRGB byte to linear light (IEC 61966-2-1), for all 256 of them.
@@ -28,6 +29,10 @@ pub fn color(material: &Material, images: &[Image], table: &SrgbTable, uv: [f32;
     let Some((texture, image)) = image.filter(|(_, i)| i.width > 0 && i.height > 0) else {
         return tint;
     };
+    if texture.filter == Filter::Nearest {
+        let [r, g, b, _] = nearest(&texture, image, uv).map(|byte| table.0[byte as usize]);
+        return tint * Vec3::new(r, g, b);
+    }
     let [u, v] = transformed(&texture, uv);
     let x = u * f64::from(image.width) - 0.5;
     let y = v * f64::from(image.height) - 0.5;
@@ -91,5 +96,27 @@ fn texel(image: &Image, x: usize, y: usize) -> [u8; 4] {
     match image.rgba.get(at..at + 4) {
         Some(&[r, g, b, a]) => [r, g, b, a],
         _ => [255; 4],
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::mesh::testing::identity;
+
+    #[test]
+    fn colours_are_mixed_or_those_of_the_nearest_texel() {
+        let rgba = [[255, 0, 0, 255], [0, 255, 0, 255], [0, 0, 255, 255]].concat();
+        let images = [Image { name: String::new(), width: 3, height: 1, rgba, has_cut: false }];
+        let at = |filter: Filter, wrap: Wrap, u: f32| {
+            let texture = Texture { filter, ..identity(0, wrap) };
+            let material = Material { color_texture: Some(texture), ..Material::opaque("palette") };
+            color(&material, &images, &SrgbTable::new(), [u, 0.5]).to_array()
+        };
+        assert_eq!(at(Filter::Linear, Wrap::Repeat, 1.0 / 3.0), [0.5, 0.5, 0.0]);
+        assert_eq!(at(Filter::Nearest, Wrap::Repeat, 0.333), [1.0, 0.0, 0.0]);
+        assert_eq!(at(Filter::Nearest, Wrap::Repeat, 0.334), [0.0, 1.0, 0.0]);
+        assert_eq!(at(Filter::Nearest, Wrap::Clamp, 7.0), [0.0, 0.0, 1.0]);
+        assert_eq!(at(Filter::Nearest, Wrap::Repeat, -0.1), [0.0, 0.0, 1.0]);
     }
 }

@@ -2,7 +2,7 @@
 
 use flb_fixtures::Plant;
 use flb_scene::Mesh;
-use flb_scene::mesh::{AlphaMode, Image, Material, Texture, Wrap};
+use flb_scene::mesh::{AlphaMode, Filter, Image, Material, Texture, Wrap};
 
 /// A plant as import reads it back, its textures times a base colour.
 pub fn mesh(plant: &Plant, base_color: [f32; 4]) -> Mesh {
@@ -22,7 +22,12 @@ pub fn mesh(plant: &Plant, base_color: [f32; 4]) -> Mesh {
         let transform = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0]];
         mesh.materials.push(Material {
             base_color,
-            color_texture: Some(Texture { image: index as u32, wrap: [wrap; 2], transform }),
+            color_texture: Some(Texture {
+                image: index as u32,
+                wrap: [wrap; 2],
+                transform,
+                filter: Filter::Linear,
+            }),
             alpha_mode,
             ..Material::opaque(grown.name)
         });

@@ -112,6 +112,8 @@ const CLASS_LEAF: u32 = 1u;
 const WRAP_REPEAT: u32 = 0u;
 const WRAP_CLAMP: u32 = 1u;
 const WRAP_MIRROR: u32 = 2u;
+// Beside the wraps of a material: its colours are those of the nearest texels.
+const NEAREST: u32 = 256u;
 const NEVER: f32 = 3.0e38;
 // A direction's part nearer to 0 is taken to be this, so that nothing is divided by 0.
 const LEVEL: f32 = 1e-18;

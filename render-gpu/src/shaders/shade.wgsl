@@ -182,8 +182,9 @@ fn color_at(material: u32, uv: vec3<f32>) -> vec3<f32> {
     let size = materials[material].image_size;
     let wrap = materials[material].wrap;
     let at = vec2<f32>(dot(materials[material].image_u, uv), dot(materials[material].image_v, uv));
-    let low = floor(at);
-    let part = at - low;
+    let is_nearest = (wrap & NEAREST) != 0u;
+    let low = floor(select(at, at + 0.5, is_nearest));
+    let part = select(at - low, vec2<f32>(0.0), is_nearest);
     let x = vec2<u32>(wrapped(low.x, size & 0xffffu, wrap & 3u), wrapped(low.x + 1.0, size & 0xffffu, wrap & 3u));
     let y = vec2<u32>(wrapped(low.y, size >> 16u, (wrap >> 2u) & 3u), wrapped(low.y + 1.0, size >> 16u, (wrap >> 2u) & 3u));
     let row = image + y * (size & 0xffffu);

@@ -8,6 +8,7 @@ use flb_render::forest::{Forest, Search};
 use flb_render::picture::PHYSICAL_EXPOSURE;
 use flb_render::{Indirect, LightQuery, Lighting, Look, Picture, Shading, Species, Surfaces};
 use flb_runtime::samplers::{PhysicalSampler, SpeciesSampler, offset};
+use flb_scene::mesh::Filter;
 use flb_scene::sampling::hash;
 use flb_testkit::scenes::{self, CLASSES, hills, library, physical, plane, plant, stand, view};
 
@@ -51,6 +52,9 @@ fn paper_pictures_are_those_of_the_cpu() {
     let tint =
         |vertex: usize| [0, 1, 2].map(|band| 0.25 + 0.75 * (hash(3 * vertex as u32 + band) % 7) as f32 / 6.0);
     meshes[1].colors = (0..meshes[1].positions.len()).map(tint).collect();
+    // Leaves of the first one show single texels of a palette.
+    let leaf = meshes[0].materials[1].color_texture.as_mut().expect("leaves have a texture");
+    (leaf.filter, leaf.transform) = (Filter::Nearest, [[0.05, 0.02, 0.4], [0.01, 0.05, 0.4]]);
     let instances = stand(13, 25.0, [0.0; 3]);
     let library = library(&[("oak", None), ("spruce", None)], Codec::Classed);
     let sources = [0, 1].map(|species| LightSource::Library { library: &library, species });

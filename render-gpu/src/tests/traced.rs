@@ -7,7 +7,7 @@ use flb_render::forest::{Forest, Fragment, Ground, Search, View};
 use flb_render::{Shading, Species};
 use flb_scene::Mesh;
 use flb_scene::mesh::sides::Side;
-use flb_scene::mesh::{AlphaMode, Texture, Wrap};
+use flb_scene::mesh::{AlphaMode, Filter, Texture, Wrap};
 use flb_testkit::scenes::{self, CLASSES, hills, plane, plant, stand, view};
 
 use super::gpu;
@@ -205,7 +205,7 @@ fn cuts_wrap_and_turn_as_on_the_cpu() {
     let mut mesh = plant(PlantKind::Shrub, 2_000);
     let transform = [[2.7, 0.4, -0.3], [-0.2, 1.9, 0.45]];
     for wrap in [[Wrap::Repeat, Wrap::Mirror], [Wrap::Mirror, Wrap::Clamp]] {
-        mesh.materials[1].color_texture = Some(Texture { image: 1, wrap, transform });
+        mesh.materials[1].color_texture = Some(Texture { image: 1, wrap, transform, filter: Filter::Linear });
         let instances = [Placement { species: 0, transform: stand(1, 1.0, [0.0; 3])[0].transform }];
         let species = [Species { mesh: &mesh, classes: &CLASSES, shading: Shading::Paper }];
         let forest = Forest::prepare(&species, &instances, None, Search::default()).unwrap();

@@ -1,5 +1,5 @@
 use super::*;
-use crate::mesh::{Image, Texture, Wrap};
+use crate::mesh::{Filter, Image, Texture, Wrap};
 use crate::mesh::{Material, PartUse};
 use MaterialClass::{Leaf, Neither, Wood};
 use flb_format::meta::Bounds;
@@ -24,7 +24,8 @@ fn with_texture(mut mesh: Mesh, index: usize, name: &str, cut: usize, alpha_mode
     let image = mesh.images.len() as u32;
     mesh.images.push(Image { name: name.to_owned(), width: 10, height: 1, rgba, has_cut: cut > 0 });
     let transform = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0]];
-    mesh.materials[index].color_texture = Some(Texture { image, wrap: [Wrap::Repeat; 2], transform });
+    mesh.materials[index].color_texture =
+        Some(Texture { image, wrap: [Wrap::Repeat; 2], transform, filter: Filter::Linear });
     mesh.materials[index].alpha_mode = alpha_mode;
     mesh
 }

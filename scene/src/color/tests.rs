@@ -4,7 +4,7 @@ use glam::DVec3;
 
 use super::*;
 use crate::leaf::knapp_carter;
-use crate::mesh::{AlphaMode, Image, Material, Texture, Wrap};
+use crate::mesh::{AlphaMode, Filter, Image, Material, Texture, Wrap};
 use crate::{ImportError, MaterialClass, Mesh, SpeciesFile};
 
 const LEAF: [MaterialClass; 1] = [MaterialClass::Leaf];
@@ -31,7 +31,12 @@ fn squares(textures: &[&[[u8; 4]]]) -> Mesh {
         let transform = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0]];
         mesh.images.push(image);
         mesh.materials.push(Material {
-            color_texture: Some(Texture { image: index as u32, wrap: [Wrap::Clamp; 2], transform }),
+            color_texture: Some(Texture {
+                image: index as u32,
+                wrap: [Wrap::Clamp; 2],
+                transform,
+                filter: Filter::Linear,
+            }),
             alpha_mode: AlphaMode::Cut { cutoff: 0.5 },
             ..Material::opaque(["leaves", "petals", "moss"][index])
         });

@@ -407,7 +407,8 @@ fn a_material_whose_triangles_show_next_to_nothing_of_its_image_is_a_doubt() {
     let name = "leaf.png".to_owned();
     cut.mesh.images = vec![crate::mesh::Image { name, width: 64, height: 64, rgba, has_cut: true }];
     let (wrap, transform) = ([crate::mesh::Wrap::Repeat; 2], [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0]]);
-    cut.mesh.materials[0].color_texture = Some(crate::mesh::Texture { image: 0, wrap, transform });
+    cut.mesh.materials[0].color_texture =
+        Some(crate::mesh::Texture { image: 0, wrap, transform, filter: crate::mesh::Filter::Linear });
     cut.mesh.materials[0].alpha_mode = AlphaMode::Cut { cutoff: 0.5 };
     let mut found = |low: f32, high: f32| {
         let middle = 0.5 * (low + high);

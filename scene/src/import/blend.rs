@@ -4,7 +4,7 @@
 use std::collections::{BTreeMap, HashMap};
 
 use super::soup::area;
-use crate::mesh::{AlphaMode, Image, Material, Mesh, Texture, Wrap};
+use crate::mesh::{AlphaMode, Filter, Image, Material, Mesh, Texture, Wrap};
 use crate::texture;
 
 /// From a point to texture coordinates, in turns over the longest edge of the mesh: two directions that lie along no
@@ -64,7 +64,8 @@ pub(super) fn split_points(mesh: &mut Mesh) {
             left -= triangles.len();
             let image = even_image(mesh, point.alpha);
             let material = mesh.materials[index as usize].clone();
-            let alpha = Texture { image, wrap: [Wrap::Repeat; 2], transform: AS_THEY_ARE };
+            let alpha =
+                Texture { image, wrap: [Wrap::Repeat; 2], transform: AS_THEY_ARE, filter: Filter::Nearest };
             let color_texture = material.color_texture.map(|texture| {
                 let image = &mesh.images[texture.image as usize];
                 let at = |axis: usize, edge: u32| (point.texel[axis] as f32 + 0.5) / edge as f32;

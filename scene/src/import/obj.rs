@@ -23,7 +23,7 @@ use super::files::Files;
 use super::gltf::Surfaces;
 use super::images::{Coverage, Images, MAX_SOFT, soft_share};
 use super::soup::{FileFrame, Soup};
-use crate::mesh::{AlphaMode, Material, Texture};
+use crate::mesh::{AlphaMode, Filter, Material, Texture};
 
 /// Reads the OBJ at `path`, its MTL files and textures.
 pub(super) fn import(
@@ -202,7 +202,8 @@ fn material(
 /// the first: v' = 1 - ((1 - v) * s + o) = v * s + (1 - s - o).
 fn texture(map: &Map, image: u32) -> Texture {
     let ([su, sv], [ou, ov]) = (map.scale, map.offset);
-    Texture { image, wrap: [map.wrap; 2], transform: [[su, 0.0, ou], [0.0, sv, 1.0 - sv - ov]] }
+    let transform = [[su, 0.0, ou], [0.0, sv, 1.0 - sv - ov]];
+    Texture { image, wrap: [map.wrap; 2], transform, filter: Filter::Linear }
 }
 
 #[cfg(test)]

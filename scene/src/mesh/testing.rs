@@ -1,10 +1,10 @@
 //! Small meshes for tests.
 
-use super::{AlphaMode, Image, Material, Mesh, Texture, Wrap};
+use super::{AlphaMode, Filter, Image, Material, Mesh, Texture, Wrap};
 
 /// A use of an image with uv as they are.
 pub fn identity(image: u32, wrap: Wrap) -> Texture {
-    Texture { image, wrap: [wrap; 2], transform: [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0]] }
+    Texture { image, wrap: [wrap; 2], transform: [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0]], filter: Filter::Linear }
 }
 
 /// A green image whose alpha is 255 where `present`, else 0.

@@ -3,14 +3,14 @@
 use super::*;
 use crate::Mesh;
 use crate::mesh::sides::Side;
-use crate::mesh::{AlphaMode, Image, Material, Texture, Wrap};
+use crate::mesh::{AlphaMode, Filter, Image, Material, Texture, Wrap};
 
 /// Two squares in the plane z = 0, of 1 and of 3 m^2, the second of another material.
 fn squares(alpha_mode: AlphaMode) -> ClassedMesh {
     let material =
         |name: &str, color_texture| Material { color_texture, alpha_mode, ..Material::opaque(name) };
     let transform = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0]];
-    let texture = Texture { image: 0, wrap: [Wrap::Repeat; 2], transform };
+    let texture = Texture { image: 0, wrap: [Wrap::Repeat; 2], transform, filter: Filter::Linear };
     // The left texel is there, the right one is cut away.
     let image = Image {
         name: "half".to_owned(),

@@ -83,7 +83,8 @@ fn with_alpha(material: usize, mode: AlphaMode, shown: f32, alpha: impl Fn(usize
     let rgba = (0..64 * 64).flat_map(|at| [80, 160, 40, alpha(at % 64)]).collect();
     tree.mesh.images = vec![Image { name: "a.png".to_owned(), width: 64, height: 64, rgba, has_cut: true }];
     let (wrap, transform) = ([Wrap::Repeat; 2], [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0]]);
-    tree.mesh.materials[material].color_texture = Some(Texture { image: 0, wrap, transform });
+    tree.mesh.materials[material].color_texture =
+        Some(Texture { image: 0, wrap, transform, filter: crate::mesh::Filter::Linear });
     tree.mesh.materials[material].alpha_mode = mode;
     tree.mesh.uvs = vec![[0.0; 2]; tree.mesh.positions.len()];
     let corners = [[0.0, 0.1], [shown, 0.1], [0.0, 0.9]];

@@ -4,7 +4,7 @@
 use std::borrow::Cow;
 
 use gltf::json::material::AlphaMode as JsonAlphaMode;
-use gltf::json::texture::{Info, WrappingMode};
+use gltf::json::texture::{Info, MagFilter, WrappingMode};
 use gltf::json::validation::Checked;
 use gltf::json::{Material as Json, Root};
 use serde::Deserialize;
@@ -14,7 +14,7 @@ use super::buffers::{self, Buffers};
 use crate::import::error::ImportError;
 use crate::import::files::Files;
 use crate::import::images::Images;
-use crate::mesh::{AlphaMode, Image, Material, Texture, Wrap};
+use crate::mesh::{AlphaMode, Filter, Image, Material, Texture, Wrap};
 use crate::texture::SrgbTable;
 
 /// A material and the set of texture coordinates that its colour texture reads.
@@ -203,7 +203,17 @@ impl Library<'_> {
             return Err(files.malformed(place, "an unknown wrapS or wrapT", "10497, 33071 or 33648"));
         }
         let wrap = modes.map_or([Wrap::Repeat; 2], |modes| modes.map(wrap));
-        Ok((Some(Texture { image, wrap, transform: matrix(&transform) }), tex_coord))
+        let filter = match sampler.and_then(|sampler| sampler.mag_filter.as_ref()) {
+            Some(Checked::Valid(MagFilter::Nearest)) => Filter::Nearest,
+            Some(Checked::Invalid) => {
+                files.warn(format!(
+                    "{place} has an unknown magFilter (9728 or 9729 are known); taken as 9729"
+                ));
+                Filter::Linear
+            }
+            _ => Filter::Linear,
+        };
+        Ok((Some(Texture { image, wrap, transform: matrix(&transform), filter }), tex_coord))
     }
 
     fn image(&mut self, files: &mut Files, place: &str, index: usize) -> Result<Option<u32>, ImportError> {

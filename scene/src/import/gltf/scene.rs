@@ -7,7 +7,7 @@ use super::accessor::Accessors;
 use super::document::NodeTransform;
 use super::instancing::Instances;
 use super::morphs;
-use super::shown::{LISTED, LeftOut, is_visible, lower_levels, names_of, word_of};
+use super::shown::{LISTED, LeftOut, Why, is_visible, lower_levels, names_of, word_of};
 use super::transform::{compose, place_of};
 use crate::import::choice::Choice;
 use crate::import::error::{ImportError, quoted};
@@ -68,9 +68,12 @@ pub(super) fn walk(
     choice: &Choice,
 ) -> Result<Scene, ImportError> {
     let root = accessors.root;
-    let roots = scene_roots(files, root)?;
+    let roots = scene_roots(files, root, choice)?;
     let scene = walk_from(files, accessors, transforms, choice, &roots)?;
     if choice.is_met() {
+        if !choice.is_made() {
+            tell_outside(files, root)?;
+        }
         return Ok(scene);
     }
     let scene = walk_from(files, accessors, transforms, choice, &all_roots(root))?;
@@ -144,7 +147,8 @@ fn walk_from(
                 scene.placed.push(Placed { node, instance, mesh, world: world * local, skin });
             }
         } else if node.mesh.is_some() && !choice.is_made() {
-            left_out.add(root, index, lower_levels.contains(&index));
+            let is_lower = lower_levels.contains(&index);
+            left_out.add(root, index, if is_lower { Why::LowerLevel } else { Why::Hidden });
         }
         stack.push(Step::Leave { node: index as u32 });
         if let Some(children) = &node.children {
@@ -183,16 +187,49 @@ fn wait(
     Ok(())
 }
 
-fn scene_roots(files: &mut Files, root: &Root) -> Result<Vec<Index<Node>>, ImportError> {
+/// Says which nodes with meshes are in no scene. Lower levels of detail often are in none.
+fn tell_outside(files: &mut Files, root: &Root) -> Result<(), ImportError> {
+    let mut found = vec![root.scenes.is_empty(); root.nodes.len()];
+    let mut find = |roots: Vec<usize>| {
+        let (mut waiting, mut new) = (roots, Vec::new());
+        while let Some(node) = waiting.pop() {
+            if found.get(node).is_some_and(|found| !found) {
+                found[node] = true;
+                new.push(node);
+                let children = root.nodes[node].children.iter().flatten();
+                waiting.extend(children.map(|child| child.value()));
+            }
+        }
+        new
+    };
+    find(root.scenes.iter().flat_map(|scene| &scene.nodes).map(|node| node.value()).collect());
+    let lower = lower_levels(files, root)?.into_iter().collect();
+    let mut left_out = LeftOut::default();
+    for (why, roots) in [(Why::LowerLevel, lower), (Why::Outside, (0..root.nodes.len()).collect())] {
+        let mut nodes = find(roots);
+        nodes.retain(|node| root.nodes[*node].mesh.is_some());
+        nodes.sort_unstable();
+        nodes.into_iter().for_each(|node| left_out.add(root, node, why));
+    }
+    left_out.tell(files);
+    Ok(())
+}
+
+fn scene_roots(files: &mut Files, root: &Root, choice: &Choice) -> Result<Vec<Index<Node>>, ImportError> {
     let index = root.scene.map_or(0, |scene| scene.value());
-    if root.scenes.len() > 1 {
+    if root.scenes.len() > 1 && !choice.is_made() {
         let named = |at: usize| {
             let name = root.scenes.get(at).and_then(|scene| scene.name.as_deref());
             name.map_or_else(|| format!("scene {at}"), |name| format!("scene {at} '{}'", quoted(name)))
         };
         let others = (0..root.scenes.len()).filter(|&at| at != index).take(LISTED).map(named);
         let others = others.collect::<Vec<_>>().join(", ");
-        files.warn(format!("{} of {} is read, not {others}", named(index), root.scenes.len()));
+        let count = root.scenes.len();
+        let why = if root.scene.is_none() { ", as the file names no default" } else { "" };
+        files.warn(format!(
+            "{} of {count} is read{why}, not {others}; --node chooses nodes of any",
+            named(index)
+        ));
     }
     match root.scenes.get(index) {
         Some(scene) => Ok(scene.nodes.clone()),

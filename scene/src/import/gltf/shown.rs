@@ -1,7 +1,7 @@
 //! What a glTF itself says is not to be drawn: hidden nodes (KHR_node_visibility) and lower levels of detail
 //! (MSFT_lod).
 
-use std::collections::HashSet;
+use std::collections::{BTreeMap, HashSet};
 
 use gltf::json::{Node, Root};
 use serde::Deserialize;
@@ -77,17 +77,33 @@ pub(super) fn word_of(root: &Root, index: usize) -> String {
     names_of(root, index).next().map_or_else(|| format!("#{index}"), str::to_owned)
 }
 
+/// A reason for which a file does not show a node.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+pub(super) enum Why {
+    Hidden,
+    LowerLevel,
+    /// In no scene.
+    Outside,
+}
+
+impl Why {
+    fn words(self) -> String {
+        match self {
+            Why::Hidden => format!("hidden ({VISIBILITY})"),
+            Why::LowerLevel => format!("lower levels of detail ({LEVELS})"),
+            Why::Outside => "parts of no scene".to_owned(),
+        }
+    }
+}
+
 /// Nodes with meshes that the file does not show.
 #[derive(Default)]
-pub(super) struct LeftOut {
-    hidden: (u64, Vec<String>),
-    lower: (u64, Vec<String>),
-}
+pub(super) struct LeftOut(BTreeMap<Why, (u64, Vec<String>)>);
 
 impl LeftOut {
     /// Counts one.
-    pub(super) fn add(&mut self, root: &Root, index: usize, is_lower_level: bool) {
-        let (count, names) = if is_lower_level { &mut self.lower } else { &mut self.hidden };
+    pub(super) fn add(&mut self, root: &Root, index: usize, why: Why) {
+        let (count, names) = self.0.entry(why).or_default();
         *count += 1;
         if names.len() < LISTED {
             names.push(format!("'{}'", quoted(&word_of(root, index))));
@@ -96,15 +112,12 @@ impl LeftOut {
 
     /// Says so.
     pub(super) fn tell(&self, files: &mut Files) {
-        let kinds = [(&self.hidden, "hidden", VISIBILITY), (&self.lower, "lower levels of detail", LEVELS)];
-        for ((count, names), what, extension) in kinds.into_iter().filter(|((count, _), ..)| *count > 0) {
+        for (why, (count, names)) in &self.0 {
             let more = if *count > names.len() as u64 { ", ..." } else { "" };
             let nodes =
                 if *count == 1 { "1 node with a mesh is" } else { &format!("{count} nodes with meshes are") };
-            let names = names.join(", ");
-            files.note(format!(
-                "{nodes} left out as {what} ({extension}): {names}{more}; --node chooses nodes"
-            ));
+            let (why, names) = (why.words(), names.join(", "));
+            files.note(format!("{nodes} left out as {why}: {names}{more}; --node chooses nodes"));
         }
     }
 }

@@ -191,12 +191,7 @@ pub const ROWS: &[Row] = &[
     row(Place::Texture, "name", NAME, r#""x""#),
     row(Place::Sampler, "wrapS", Read, "33071"),
     row(Place::Sampler, "wrapT", Read, "33071"),
-    row(
-        Place::Sampler,
-        "magFilter",
-        NoMeaning("colours are mixed between texels, cover is that of the nearest"),
-        "9729",
-    ),
+    row(Place::Sampler, "magFilter", Read, "9728"),
     row(Place::Sampler, "minFilter", NoMeaning("light is solved at every point, not at a distance"), "9729"),
     row(Place::Sampler, "name", NAME, r#""x""#),
     row(Place::Material, "name", Read, r#""leaf""#),

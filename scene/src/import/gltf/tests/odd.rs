@@ -92,6 +92,42 @@ fn a_share_that_one_point_of_a_palette_shows_is_that_share() {
 }
 
 #[test]
+fn a_palette_of_the_nearest_texel_is_not_mixed() {
+    let palette = image::RgbImage::from_fn(2, 1, |x, _| image::Rgb([[0, 255, 0], [255, 0, 0]][x as usize]));
+    let mut png = std::io::Cursor::new(Vec::new());
+    palette.write_to(&mut png, image::ImageFormat::Png).unwrap();
+    let of = |sampler: Value| {
+        let json = changed(&[
+            ("/meshes/0/primitives/0/material", json!(0)),
+            ("/materials", json!([{"pbrMetallicRoughness": {"baseColorTexture": {"index": 0}}}])),
+            ("/textures", json!([{"source": 0, "sampler": 0}])),
+            ("/samplers", json!([sampler])),
+            ("/images", json!([{"uri": "a.png"}])),
+        ]);
+        let bytes = json.to_string();
+        let mesh = read_with(
+            "plant.gltf",
+            bytes.as_bytes(),
+            &[("a.png", png.get_ref())],
+            &ImportSettings::default(),
+        );
+        let mesh = mesh.unwrap();
+        let table = crate::texture::SrgbTable::new();
+        let color = crate::texture::color(&mesh.materials[0], &mesh.images, &table, [0.45, 0.5]);
+        let said =
+            mesh.warnings.iter().any(|warning| warning.contains("textures[0] has an unknown magFilter"));
+        (color.to_array(), said)
+    };
+    assert_eq!(of(json!({"magFilter": 9728})), ([0.0, 1.0, 0.0], false));
+    for mixed in [json!({}), json!({"magFilter": 9729}), json!({"minFilter": 9728})] {
+        let (color, said) = of(mixed);
+        assert!(color[0] > 0.3 && !said);
+    }
+    let (color, said) = of(json!({"magFilter": 9984}));
+    assert!(color[0] > 0.3 && said);
+}
+
+#[test]
 fn attributes_without_numbers_are_told_or_refused_with_what_compresses_them() {
     let bare = changed(&[
         ("/meshes/0/primitives/0/attributes/TEXCOORD_0", json!(1)),

@@ -173,6 +173,36 @@ fn lower_levels_of_detail_are_left_out() {
 }
 
 #[test]
+fn what_is_in_another_scene_or_in_none_is_told() {
+    let nodes = [
+        ("/scenes", json!([{"nodes": [0]}, {"name": "winter", "nodes": [1]}])),
+        ("/nodes/1", json!({"mesh": 0, "name": "bare"})),
+        ("/nodes/2", json!({"children": [3, 4]})),
+        ("/nodes/3", json!({"mesh": 0, "name": "spare", "translation": [0.0, 7.0, 0.0]})),
+        ("/nodes/4", json!({"name": "without a mesh"})),
+        ("/nodes/5", json!({"mesh": 0, "name": "far"})),
+        ("/nodes/0/extensions", json!({"MSFT_lod": {"ids": [5]}})),
+    ];
+    let mut json = changed(&nodes);
+    json.as_object_mut().unwrap().remove("scene");
+    let mesh = read(&json).unwrap();
+    assert_eq!(mesh.triangles.len(), 1);
+    let said = |all: &[String], part: &str| assert!(all.iter().any(|one| one.contains(part)), "{all:?}");
+    said(
+        &mesh.warnings,
+        "scene 0 of 2 is read, as the file names no default, not scene 1 'winter'; --node chooses nodes of any",
+    );
+    said(&mesh.notes, "1 node with a mesh is left out as parts of no scene: 'spare'; --node chooses nodes");
+    said(&mesh.notes, "1 node with a mesh is left out as lower levels of detail (MSFT_lod): 'far'");
+    said(&read(&changed(&nodes)).unwrap().warnings, "scene 0 of 2 is read, not scene 1 'winter'");
+    // Who chooses knows.
+    let chosen = ImportSettings { nodes: vec!["spare".to_owned()], ..ImportSettings::default() };
+    let mesh = read_with("plant.gltf", changed(&nodes).to_string().as_bytes(), &[], &chosen).unwrap();
+    assert_eq!((mesh.bounds().unwrap().min[1], mesh.notes.len()), (7.0, 0));
+    assert!(mesh.warnings.is_empty(), "{:?}", mesh.warnings);
+}
+
+#[test]
 fn nodes_are_chosen_with_all_below_them() {
     let json = changed(&[
         ("/scenes", json!([{"nodes": [0, 1]}, {"nodes": [3]}])),
