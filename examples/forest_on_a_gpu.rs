@@ -38,9 +38,12 @@ fn main(@builtin(global_invocation_id) at: vec3<u32>) {
 fn main() -> Result<(), Box<dyn Error>> {
     let path = std::env::args().nth(1).unwrap_or_else(|| SHRUB.to_owned());
     let library = Arc::new(Library::open(&path)?);
-    let mut forest = Forest::new(library, ForestSettings { blend_frames: 20, ..ForestSettings::default() })?;
-    let mut plants = (0..PLANTS).map(|number| forest.add(&stands(number))).collect::<Result<Vec<_>, _>>()?;
     let sizes = BufferSettings { max_plants: PLANTS, ..BufferSettings::default() };
+    // No more volumes than the buffer has room for.
+    let max_volume_bytes = sizes.max_volume_bytes();
+    let settings = ForestSettings { blend_frames: 20, max_volume_bytes, ..ForestSettings::default() };
+    let mut forest = Forest::new(library, settings)?;
+    let mut plants = (0..PLANTS).map(|number| forest.add(&stands(number))).collect::<Result<Vec<_>, _>>()?;
     let (gpu, mut buffer) = (Gpu::new(sizes.bytes)?, ForestBuffer::new(sizes));
     for frame in 0..FRAMES {
         // A plant goes, another comes.

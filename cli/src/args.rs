@@ -189,6 +189,10 @@ pub(crate) struct MeshArgs {
     /// a node's number; may be repeated) [default: the species file's, else all that the file shows]
     #[arg(long, value_name = "PATTERN")]
     pub node: Vec<String>,
+    /// Take all vertices for white and opaque: their colours (COLOR_0, `v x y z r g b`) multiply the material's
+    /// otherwise, and in many exports they are data, of wind for example [default: the species file's]
+    #[arg(long, visible_alias = "ignore-vertex-colors")]
+    pub ignore_vertex_colours: bool,
     /// Where the colour of leaves comes from: their texture (or base colour), which is what they reflect, or measured
     /// leaves, of which the texture is a tint [default: the species file's, else measured where the two are near]
     #[arg(long, visible_alias = "leaf-color", value_enum, value_name = "SOURCE")]

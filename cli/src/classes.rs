@@ -29,8 +29,14 @@ impl MeshReader {
     pub(crate) fn new(args: &MeshArgs) -> Result<MeshReader, Failure> {
         let species = args.species.as_deref().map(SpeciesFile::read).transpose()?;
         let (gltf_mesh, nodes) = (args.gltf_mesh.clone(), args.node.clone());
-        let settings =
-            ImportSettings { up: args.up, unit_m: args.unit, gltf_mesh, nodes, ..ImportSettings::default() };
+        let settings = ImportSettings {
+            up: args.up,
+            unit_m: args.unit,
+            gltf_mesh,
+            nodes,
+            ignore_vertex_colors: args.ignore_vertex_colours,
+            ..ImportSettings::default()
+        };
         let (leaf, wood, ignore) = (args.leaf.clone(), args.wood.clone(), args.ignore.clone());
         let rules = ClassRules { leaf, wood, ignore, ..ClassRules::default() };
         let mut plants = PlantReader::new(species, settings, rules);

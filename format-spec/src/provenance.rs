@@ -38,6 +38,8 @@ pub const GLTF_MESH: Key<String> = Key::new("import.gltf_mesh");
 pub const NODES: Key<Vec<String>> = Key::new("import.nodes");
 /// Patterns by which materials were split.
 pub const SPLIT: Key<Vec<String>> = Key::new("import.split");
+/// Whether all vertices were taken for white.
+pub const IGNORE_VERTEX_COLORS: Key<bool> = Key::new("import.ignore_vertex_colors");
 /// Offset subtracted from the coordinates, metres.
 pub const OFFSET_M: Key<[f64; 3]> = Key::new("import.offset_m");
 /// Class of every material.

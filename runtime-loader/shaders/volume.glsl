@@ -199,49 +199,52 @@ FlbCells flb_cells(uint record, uint species, uint sun) {
     uint yaws = _group_0_binding_0_fs[species];
     uint own = _group_0_binding_0_fs[(sun + FLB_SUN_OWN_ROW)];
     uint stride = _group_0_binding_0_fs[(sun + FLB_SUN_STRIDE)];
-    uint _e20 = _group_0_binding_0_fs[(record + 1u)];
-    turn = uintBitsToFloat(_e20);
+    if ((stride >= yaws)) {
+        return FlbCells(uvec2(own), uvec2(0u), 0.0, 0.0);
+    }
+    uint _e27 = _group_0_binding_0_fs[(record + 1u)];
+    turn = uintBitsToFloat(_e27);
     rows = uvec2(own);
-    uint _e29 = _group_0_binding_0_fs[record];
-    if ((_e29 >= FLB_PLANT_TILTED)) {
-        vec3 _e34 = flb_volume_floats((record + 1u));
-        float w = sqrt(max(0.0, (1.0 - dot(_e34, _e34))));
-        vec3 _e41 = flb_volume_floats(sun);
-        vec3 once = cross(_e34, _e41);
-        vec3 seen = (_e41 + (2.0 * (cross(_e34, once) - (w * once))));
+    uint _e36 = _group_0_binding_0_fs[record];
+    if ((_e36 >= FLB_PLANT_TILTED)) {
+        vec3 _e41 = flb_volume_floats((record + 1u));
+        float w = sqrt(max(0.0, (1.0 - dot(_e41, _e41))));
+        vec3 _e48 = flb_volume_floats(sun);
+        vec3 once = cross(_e41, _e48);
+        vec3 seen = (_e48 + (2.0 * (cross(_e41, once) - (w * once))));
         float across = length(seen.xz);
         if ((across > 0.0)) {
             azimuth_deg = degrees(atan(seen.x, -(seen.z)));
         }
         float elevation_deg = degrees(atan(seen.y, max(across, 1e-9)));
-        uint _e69 = _group_0_binding_0_fs[(sun + FLB_SUN_AZIMUTH)];
-        float sun_azimuth_deg = uintBitsToFloat(_e69);
-        float _e71 = azimuth_deg;
-        turn = ((((sun_azimuth_deg - _e71) / 360.0) + 2.0) * float(yaws));
-        float _e79 = turn;
-        float _e80 = turn;
-        turn = (_e79 - (floor((_e80 / float(yaws))) * float(yaws)));
-        uint _e91 = _group_0_binding_0_fs[(sun + FLB_SUN_ELEVATION)];
-        float sun_deg = uintBitsToFloat(_e91);
-        uint _e97 = _group_0_binding_0_fs[(species + FLB_SPECIES_STEP_DEG)];
-        float step_deg = uintBitsToFloat(_e97);
+        uint _e76 = _group_0_binding_0_fs[(sun + FLB_SUN_AZIMUTH)];
+        float sun_azimuth_deg = uintBitsToFloat(_e76);
+        float _e78 = azimuth_deg;
+        turn = ((((sun_azimuth_deg - _e78) / 360.0) + 2.0) * float(yaws));
+        float _e86 = turn;
+        float _e87 = turn;
+        turn = (_e86 - (floor((_e87 / float(yaws))) * float(yaws)));
+        uint _e98 = _group_0_binding_0_fs[(sun + FLB_SUN_ELEVATION)];
+        float sun_deg = uintBitsToFloat(_e98);
+        uint _e104 = _group_0_binding_0_fs[(species + FLB_SPECIES_STEP_DEG)];
+        float step_deg = uintBitsToFloat(_e104);
         float wide = float(stride);
         float low_1 = (float(own) + (floor(((elevation_deg - sun_deg) / (step_deg * wide))) * wide));
-        uint _e115 = _group_0_binding_0_fs[(sun + FLB_SUN_TOP_ROW)];
-        vec2 between = clamp(vec2(low_1, (low_1 + wide)), vec2(0.0), vec2(float(_e115)));
+        uint _e122 = _group_0_binding_0_fs[(sun + FLB_SUN_TOP_ROW)];
+        vec2 between = clamp(vec2(low_1, (low_1 + wide)), vec2(0.0), vec2(float(_e122)));
         vec2 heights_deg = clamp((vec2(sun_deg) + ((between - vec2(float(own))) * step_deg)), vec2(-90.0), vec2(90.0));
         rows = uvec2(between);
-        float _e139 = flb_share(((elevation_deg - heights_deg.x) / max((heights_deg.y - heights_deg.x), 0.001)));
-        second_row = _e139;
+        float _e146 = flb_share(((elevation_deg - heights_deg.x) / max((heights_deg.y - heights_deg.x), 0.001)));
+        second_row = _e146;
     }
-    float _e140 = turn;
-    uint first_1 = ((min(uint(_e140), (yaws - 1u)) / stride) * stride);
+    float _e147 = turn;
+    uint first_1 = ((min(uint(_e147), (yaws - 1u)) / stride) * stride);
     uint span = min(stride, (yaws - first_1));
-    float _e149 = turn;
-    float _e154 = flb_share(((_e149 - float(first_1)) / float(span)));
-    uvec2 _e155 = rows;
-    float _e159 = second_row;
-    return FlbCells(_e155, uvec2(first_1, ((first_1 + span) % yaws)), _e159, _e154);
+    float _e156 = turn;
+    float _e161 = flb_share(((_e156 - float(first_1)) / float(span)));
+    uvec2 _e162 = rows;
+    float _e166 = second_row;
+    return FlbCells(_e162, uvec2(first_1, ((first_1 + span) % yaws)), _e166, _e161);
 }
 
 vec3 flb_light(uint forest, uint plant, vec3 point_m_2) {

@@ -241,50 +241,54 @@ FlbCells flb_cells(uint record, uint species, uint sun)
     uint yaws = asuint(flb_volumes.Load(species*4));
     uint own = asuint(flb_volumes.Load((sun + FLB_SUN_OWN_ROW)*4));
     uint stride = asuint(flb_volumes.Load((sun + FLB_SUN_STRIDE)*4));
-    uint _e20 = asuint(flb_volumes.Load((record + 1u)*4));
-    turn = asfloat(_e20);
+    if ((stride >= yaws)) {
+        const FlbCells flbcells = ConstructFlbCells((own).xx, (0u).xx, 0.0, 0.0);
+        return flbcells;
+    }
+    uint _e27 = asuint(flb_volumes.Load((record + 1u)*4));
+    turn = asfloat(_e27);
     rows = (own).xx;
-    uint _e29 = asuint(flb_volumes.Load(record*4));
-    if ((_e29 >= FLB_PLANT_TILTED)) {
-        const float3 _e34 = flb_volume_floats((record + 1u));
-        float w = sqrt(max(0.0, (1.0 - dot(_e34, _e34))));
-        const float3 _e41 = flb_volume_floats(sun);
-        float3 once = cross(_e34, _e41);
-        float3 seen = (_e41 + (2.0 * (cross(_e34, once) - (w * once))));
+    uint _e36 = asuint(flb_volumes.Load(record*4));
+    if ((_e36 >= FLB_PLANT_TILTED)) {
+        const float3 _e41 = flb_volume_floats((record + 1u));
+        float w = sqrt(max(0.0, (1.0 - dot(_e41, _e41))));
+        const float3 _e48 = flb_volume_floats(sun);
+        float3 once = cross(_e41, _e48);
+        float3 seen = (_e48 + (2.0 * (cross(_e41, once) - (w * once))));
         float across = length(seen.xz);
         if ((across > 0.0)) {
             azimuth_deg = degrees(atan2(seen.x, -(seen.z)));
         }
         float elevation_deg = degrees(atan2(seen.y, max(across, 1e-9)));
-        uint _e69 = asuint(flb_volumes.Load((sun + FLB_SUN_AZIMUTH)*4));
-        float sun_azimuth_deg = asfloat(_e69);
-        float _e71 = azimuth_deg;
-        turn = ((((sun_azimuth_deg - _e71) / 360.0) + 2.0) * float(yaws));
-        float _e79 = turn;
-        float _e80 = turn;
-        turn = (_e79 - (floor((_e80 / float(yaws))) * float(yaws)));
-        uint _e91 = asuint(flb_volumes.Load((sun + FLB_SUN_ELEVATION)*4));
-        float sun_deg = asfloat(_e91);
-        uint _e97 = asuint(flb_volumes.Load((species + FLB_SPECIES_STEP_DEG)*4));
-        float step_deg = asfloat(_e97);
+        uint _e76 = asuint(flb_volumes.Load((sun + FLB_SUN_AZIMUTH)*4));
+        float sun_azimuth_deg = asfloat(_e76);
+        float _e78 = azimuth_deg;
+        turn = ((((sun_azimuth_deg - _e78) / 360.0) + 2.0) * float(yaws));
+        float _e86 = turn;
+        float _e87 = turn;
+        turn = (_e86 - (floor((_e87 / float(yaws))) * float(yaws)));
+        uint _e98 = asuint(flb_volumes.Load((sun + FLB_SUN_ELEVATION)*4));
+        float sun_deg = asfloat(_e98);
+        uint _e104 = asuint(flb_volumes.Load((species + FLB_SPECIES_STEP_DEG)*4));
+        float step_deg = asfloat(_e104);
         float wide = float(stride);
         float low_1 = (float(own) + (floor(((elevation_deg - sun_deg) / (step_deg * wide))) * wide));
-        uint _e115 = asuint(flb_volumes.Load((sun + FLB_SUN_TOP_ROW)*4));
-        float2 between = clamp(float2(low_1, (low_1 + wide)), (0.0).xx, (float(_e115)).xx);
+        uint _e122 = asuint(flb_volumes.Load((sun + FLB_SUN_TOP_ROW)*4));
+        float2 between = clamp(float2(low_1, (low_1 + wide)), (0.0).xx, (float(_e122)).xx);
         float2 heights_deg = clamp(((sun_deg).xx + ((between - (float(own)).xx) * step_deg)), (-90.0).xx, (90.0).xx);
         rows = naga_f2u32(between);
-        const float _e139 = flb_share(((elevation_deg - heights_deg.x) / max((heights_deg.y - heights_deg.x), 0.001)));
-        second_row = _e139;
+        const float _e146 = flb_share(((elevation_deg - heights_deg.x) / max((heights_deg.y - heights_deg.x), 0.001)));
+        second_row = _e146;
     }
-    float _e140 = turn;
-    uint first_1 = (naga_div(min(naga_f2u32(_e140), (yaws - 1u)), stride) * stride);
+    float _e147 = turn;
+    uint first_1 = (naga_div(min(naga_f2u32(_e147), (yaws - 1u)), stride) * stride);
     uint span = min(stride, (yaws - first_1));
-    float _e149 = turn;
-    const float _e154 = flb_share(((_e149 - float(first_1)) / float(span)));
-    uint2 _e155 = rows;
-    float _e159 = second_row;
-    const FlbCells flbcells = ConstructFlbCells(_e155, uint2(first_1, naga_mod((first_1 + span), yaws)), _e159, _e154);
-    return flbcells;
+    float _e156 = turn;
+    const float _e161 = flb_share(((_e156 - float(first_1)) / float(span)));
+    uint2 _e162 = rows;
+    float _e166 = second_row;
+    const FlbCells flbcells_1 = ConstructFlbCells(_e162, uint2(first_1, naga_mod((first_1 + span), yaws)), _e166, _e161);
+    return flbcells_1;
 }
 
 float3 flb_light(uint forest, uint plant, float3 point_m_1)

@@ -258,49 +258,52 @@ FlbCells flb_cells(
     uint yaws = flb_volumes[species];
     uint own = flb_volumes[sun + FLB_SUN_OWN_ROW];
     uint stride = flb_volumes[sun + FLB_SUN_STRIDE];
-    uint _e20 = flb_volumes[record + 1u];
-    turn = as_type<float>(_e20);
+    if (stride >= yaws) {
+        return FlbCells {metal::uint2(own), metal::uint2(0u), 0.0, 0.0};
+    }
+    uint _e27 = flb_volumes[record + 1u];
+    turn = as_type<float>(_e27);
     rows = metal::uint2(own);
-    uint _e29 = flb_volumes[record];
-    if (_e29 >= FLB_PLANT_TILTED) {
-        metal::float3 _e34 = flb_volume_floats(record + 1u, flb_volumes, _buffer_sizes);
-        float w = metal::sqrt(metal::max(0.0, 1.0 - metal::dot(_e34, _e34)));
-        metal::float3 _e41 = flb_volume_floats(sun, flb_volumes, _buffer_sizes);
-        metal::float3 once = metal::cross(_e34, _e41);
-        metal::float3 seen = _e41 + (2.0 * (metal::cross(_e34, once) - (w * once)));
+    uint _e36 = flb_volumes[record];
+    if (_e36 >= FLB_PLANT_TILTED) {
+        metal::float3 _e41 = flb_volume_floats(record + 1u, flb_volumes, _buffer_sizes);
+        float w = metal::sqrt(metal::max(0.0, 1.0 - metal::dot(_e41, _e41)));
+        metal::float3 _e48 = flb_volume_floats(sun, flb_volumes, _buffer_sizes);
+        metal::float3 once = metal::cross(_e41, _e48);
+        metal::float3 seen = _e48 + (2.0 * (metal::cross(_e41, once) - (w * once)));
         float across = metal::length(seen.xz);
         if (across > 0.0) {
             azimuth_deg = ((metal::atan2(seen.x, -(seen.z))) * 57.295779513082322865);
         }
         float elevation_deg = ((metal::atan2(seen.y, metal::max(across, 0.000000001))) * 57.295779513082322865);
-        uint _e69 = flb_volumes[sun + FLB_SUN_AZIMUTH];
-        float sun_azimuth_deg = as_type<float>(_e69);
-        float _e71 = azimuth_deg;
-        turn = (((sun_azimuth_deg - _e71) / 360.0) + 2.0) * static_cast<float>(yaws);
-        float _e79 = turn;
-        float _e80 = turn;
-        turn = _e79 - (metal::floor(_e80 / static_cast<float>(yaws)) * static_cast<float>(yaws));
-        uint _e91 = flb_volumes[sun + FLB_SUN_ELEVATION];
-        float sun_deg = as_type<float>(_e91);
-        uint _e97 = flb_volumes[species + FLB_SPECIES_STEP_DEG];
-        float step_deg = as_type<float>(_e97);
+        uint _e76 = flb_volumes[sun + FLB_SUN_AZIMUTH];
+        float sun_azimuth_deg = as_type<float>(_e76);
+        float _e78 = azimuth_deg;
+        turn = (((sun_azimuth_deg - _e78) / 360.0) + 2.0) * static_cast<float>(yaws);
+        float _e86 = turn;
+        float _e87 = turn;
+        turn = _e86 - (metal::floor(_e87 / static_cast<float>(yaws)) * static_cast<float>(yaws));
+        uint _e98 = flb_volumes[sun + FLB_SUN_ELEVATION];
+        float sun_deg = as_type<float>(_e98);
+        uint _e104 = flb_volumes[species + FLB_SPECIES_STEP_DEG];
+        float step_deg = as_type<float>(_e104);
         float wide = static_cast<float>(stride);
         float low_1 = static_cast<float>(own) + (metal::floor((elevation_deg - sun_deg) / (step_deg * wide)) * wide);
-        uint _e115 = flb_volumes[sun + FLB_SUN_TOP_ROW];
-        metal::float2 between = metal::clamp(metal::float2(low_1, low_1 + wide), metal::float2(0.0), metal::float2(static_cast<float>(_e115)));
+        uint _e122 = flb_volumes[sun + FLB_SUN_TOP_ROW];
+        metal::float2 between = metal::clamp(metal::float2(low_1, low_1 + wide), metal::float2(0.0), metal::float2(static_cast<float>(_e122)));
         metal::float2 heights_deg = metal::clamp(metal::float2(sun_deg) + ((between - metal::float2(static_cast<float>(own))) * step_deg), metal::float2(-90.0), metal::float2(90.0));
         rows = naga_f2u32(between);
-        float _e139 = flb_share((elevation_deg - heights_deg.x) / metal::max(heights_deg.y - heights_deg.x, 0.001));
-        second_row = _e139;
+        float _e146 = flb_share((elevation_deg - heights_deg.x) / metal::max(heights_deg.y - heights_deg.x, 0.001));
+        second_row = _e146;
     }
-    float _e140 = turn;
-    uint first_1 = naga_div(metal::min(naga_f2u32(_e140), yaws - 1u), stride) * stride;
+    float _e147 = turn;
+    uint first_1 = naga_div(metal::min(naga_f2u32(_e147), yaws - 1u), stride) * stride;
     uint span = metal::min(stride, yaws - first_1);
-    float _e149 = turn;
-    float _e154 = flb_share((_e149 - static_cast<float>(first_1)) / static_cast<float>(span));
-    metal::uint2 _e155 = rows;
-    float _e159 = second_row;
-    return FlbCells {_e155, metal::uint2(first_1, naga_mod(first_1 + span, yaws)), _e159, _e154};
+    float _e156 = turn;
+    float _e161 = flb_share((_e156 - static_cast<float>(first_1)) / static_cast<float>(span));
+    metal::uint2 _e162 = rows;
+    float _e166 = second_row;
+    return FlbCells {_e162, metal::uint2(first_1, naga_mod(first_1 + span, yaws)), _e166, _e161};
 }
 
 metal::float3 flb_light(

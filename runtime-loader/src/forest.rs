@@ -7,9 +7,9 @@
 //!          └─ snapshot() -> Arc<Snapshot> -at(plant, point)-> light, from any thread, while the next frame goes on
 //! ```
 //!
-//! A frame hands out work: to read a page, or to add up a species' light for the sun as it is ([`LightVolume`], one
-//! for each of a few yaws). It starts no thread and looks at no clock. What work has done is there a frame later, and
-//! takes the place of what was there over some frames.
+//! A frame hands out work: to read a page, or to add up a species' light for the sun as it is ([`LightVolume`], one for
+//! each of a few yaws, and for some suns beside it where plants are tilted). It starts no thread and looks at no clock.
+//! What work has done is there a frame later, and takes the place of what was there over some frames.
 //!
 //! A plant has light from the first frame on: the mean light of its species, which its file says before its first page.
 //! Between the yaws of [`ForestSettings::yaws`] light is blended. A plant that is tilted sees the sun at another height
@@ -108,7 +108,8 @@ pub struct Report {
     pub loaded_bytes: usize,
     /// Memory of volumes, bytes.
     pub volume_bytes: usize,
-    /// Yaws of which volumes are kept: fewer than [`ForestSettings::yaws`] where there is no room for all.
+    /// Yaws of which volumes are kept while the sun shines: fewer than [`ForestSettings::yaws`] where there is no room
+    /// for all.
     pub yaws: u32,
     /// Species that are seen and have their mean light, as there is no room for a volume.
     pub species_left_out: u32,
@@ -298,10 +299,15 @@ impl Forest {
         let counts: Vec<usize> = (0..pixels.len())
             .filter(|number| pixels[*number] > 0.0 || self.species[*number].has_volumes())
             .collect();
-        let wish = |number: &usize| {
-            self.species[*number].wish(self.stage.resident().species(*number), pixels[*number])
-        };
-        let wishes: Vec<Wish> = counts.iter().map(wish).collect();
+        let mut wishes: Vec<Wish> = Vec::new();
+        for number in &counts {
+            let lit = &mut self.species[*number];
+            // What is whole takes no more room than what is asked for.
+            if lit.has_volumes() {
+                lit.keep(Some(self.stride));
+            }
+            wishes.push(lit.wish(self.stage.resident().species(*number), pixels[*number]));
+        }
         let found = stride(&wishes, yaws, room);
         self.fitting_frames =
             if found.is_some_and(|found| found < self.stride) { self.fitting_frames + 1 } else { 0 };
@@ -310,7 +316,7 @@ impl Forest {
         }
         let have_room = match found {
             Some(_) => vec![true; wishes.len()],
-            None => chosen(&wishes, yaws, room),
+            None => chosen(&wishes, room),
         };
         let mut all = vec![None; pixels.len()];
         for (number, has_room) in counts.into_iter().zip(have_room) {

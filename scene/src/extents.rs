@@ -12,6 +12,7 @@ mod card;
 mod enclosed;
 mod foot;
 mod mend;
+mod painted;
 mod seconds;
 #[cfg(test)]
 mod tests;
@@ -24,6 +25,7 @@ use flb_format::meta::Bounds;
 pub use enclosed::{Enclosed, Walls};
 pub use foot::Side;
 pub use mend::Mend;
+pub use painted::Painted;
 
 use crate::import::{Up, area, quoted};
 use crate::unit::UNITS;
@@ -146,6 +148,13 @@ pub enum Doubt {
         /// Share of the material outside of that outline, 0..=1.
         outside: f64,
     },
+    /// Colours of vertices that multiply a texture look like data.
+    VertexColors {
+        /// Name of the material.
+        material: String,
+        /// Kind of data that they look like.
+        look: Painted,
+    },
     /// A few triangles as large as the plant are much of its leaf area, as cards that stand for it from afar are.
     Card {
         /// Number of these triangles.
@@ -201,6 +210,7 @@ impl Doubt {
             Doubt::CutAway { .. } => "cut-away",
             Doubt::WoodCut { .. } => "wood-cut",
             Doubt::Uncut { .. } => "uncut",
+            Doubt::VertexColors { .. } => "vertex-colours",
             Doubt::Card { .. } => "card",
         }
     }
@@ -258,6 +268,11 @@ impl Display for Doubt {
                  opaque there (alphaMode OPAQUE, or none), expected MASK: whole cards count as leaf",
                 100.0 * outside,
                 list(std::slice::from_ref(image)),
+            ),
+            Doubt::VertexColors { material, look } => write!(
+                f,
+                "the colours of the vertices of material {material:?} {look} and multiply its texture, expected a tint: \
+                 data of wind or the like may lie there"
             ),
             Doubt::Card { triangles, share, materials } => write!(
                 f,

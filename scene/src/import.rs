@@ -60,6 +60,8 @@ pub struct ImportSettings {
     /// Patterns `MATERIAL@PART` of names of materials and of nodes or groups (globs, any case): a material is split
     /// where one part of it meets a pattern and another does not. Other patterns split nothing.
     pub split: Vec<String>,
+    /// Take all vertices for white and opaque, whatever colours they have.
+    pub ignore_vertex_colors: bool,
     /// Offset subtracted from the coordinates, model space, metres. By default whole numbers where the plant stands so
     /// far from the origin that an f32 loses its shape, else nothing.
     pub offset_m: Option<[f64; 3]>,
@@ -87,7 +89,7 @@ pub fn import(path: &Path, settings: &ImportSettings) -> Result<Mesh, ImportErro
     let split_by = SplitPatterns::compile(&settings.split)?;
     let frame = FileFrame { up: settings.up.unwrap_or(Up::Y), unit_m };
     let mut files = Files::beside(path);
-    let mut soup = Soup::default();
+    let mut soup = Soup::new(settings.ignore_vertex_colors);
     let surfaces = match format_of(path)? {
         Format::Gltf => {
             let bytes = files.read(path, limits::FILE_BYTES)?;

@@ -10,6 +10,7 @@
 //! wood = ["bark", "stem*"]
 //! ignore = ["ground"]
 //! ignore_alpha = false       # keep what alpha would cut away, as the paper does
+//! ignore_vertex_colours = false # take all vertices for white: colours that are data, such as wind
 //!
 //! [[optics]]                 # one per band, in order; default: the paper's R, G, B
 //! name = "R"
@@ -101,6 +102,8 @@ pub struct SpeciesFile {
     pub ignore: Vec<String>,
     /// Whether every texel of a leaf card is taken for present.
     pub ignore_alpha: bool,
+    /// Whether all vertices are taken for white.
+    pub ignore_vertex_colors: bool,
     /// Optics of the `paper` model, validated; `None` means the default.
     pub optics: Option<Optics>,
     /// Surfaces of the `physical` model, validated, and computed if the file gives a leaf model; `None` means the
@@ -131,6 +134,8 @@ struct Raw {
     ignore: Vec<String>,
     #[serde(default)]
     ignore_alpha: bool,
+    #[serde(default)]
+    ignore_vertex_colours: bool,
     optics: Option<Vec<RawBand>>,
     surfaces: Option<Vec<RawSurface>>,
     leaf_colour: Option<RawColor>,
@@ -216,6 +221,7 @@ impl SpeciesFile {
             wood: raw.wood,
             ignore: raw.ignore,
             ignore_alpha: raw.ignore_alpha,
+            ignore_vertex_colors: raw.ignore_vertex_colours,
             optics,
             surfaces,
             sets,
@@ -244,6 +250,7 @@ impl SpeciesFile {
             gltf_mesh: over.gltf_mesh.clone().or_else(|| self.gltf_mesh.clone()),
             nodes: if over.nodes.is_empty() { self.nodes.clone() } else { over.nodes.clone() },
             split: over.split.clone(),
+            ignore_vertex_colors: over.ignore_vertex_colors || self.ignore_vertex_colors,
             offset_m: over.offset_m,
         }
     }

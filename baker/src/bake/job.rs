@@ -44,7 +44,9 @@ fn shape(plant: &Plant, store: &dyn Store) -> Key {
     // Names do not count, nor what a species file says of colours: seasons of a plant share its voxels.
     let digests: Vec<&str> = plant.classed.mesh.sources.iter().map(|source| source.blake3.as_str()).collect();
     let in_memory = (digests.is_empty() && store.keeps()).then(|| mesh_digest(&plant.classed));
-    let Record { up, unit_m, gltf_mesh, nodes, split, offset_m, classes } = &plant.record;
+    // Colours of vertices do not count either; their alpha does, which changes materials.
+    let Record { up, unit_m, gltf_mesh, nodes, split, ignore_vertex_colors, offset_m, classes } =
+        &plant.record;
     let classes: Vec<&str> = classes.iter().map(|class| class.name()).collect();
     Key::new("shape")
         .with("files", json!(digests))
@@ -53,6 +55,7 @@ fn shape(plant: &Plant, store: &dyn Store) -> Key {
         .with_all(gltf_mesh.as_ref().map(|mesh| ("gltf_mesh", json!(mesh))))
         .with_all((!nodes.is_empty()).then(|| ("nodes", json!(nodes))))
         .with_all((!split.is_empty()).then(|| ("split", json!(split))))
+        .with_all(ignore_vertex_colors.then(|| ("ignore_vertex_colors", json!(true))))
         .with_all((*offset_m != [0.0; 3]).then(|| ("offset_m", json!(offset_m))))
         .with("up", json!(up.name()))
         .with("unit_m", json!(unit_m))

@@ -41,7 +41,7 @@ use super::PlantId;
 use super::plants::Plant;
 use super::snapshot::{Shown, Snapshot};
 use super::stand::Stand;
-use super::suns::{Suns, rows, step_deg};
+use super::suns::{Suns, row_step_deg, rows};
 use crate::light::LightVolume;
 
 /// First word: the version of the layout.
@@ -164,6 +164,15 @@ impl<W: FnMut(u64, &[u32])> Writes<W> {
         let Some(begin) = (0..words.len()).find(is_other) else { return };
         let last = (begin..words.len()).rfind(is_other).unwrap_or(begin);
         self.put(first + begin as u32, &words[begin..=last]);
+    }
+}
+
+impl BufferSettings {
+    /// [`ForestSettings::max_volume_bytes`](super::ForestSettings::max_volume_bytes) for which the buffer has room:
+    /// words take a third more than the bytes of volumes, and the tables of species some of the rest.
+    pub fn max_volume_bytes(&self) -> u64 {
+        let plants = 4 * u64::from(PLANT) * u64::from(self.max_plants);
+        self.bytes.saturating_sub(plants) / 10 * 7
     }
 }
 
@@ -400,7 +409,7 @@ fn there(plants: &[Plant]) -> u32 {
 fn species_words(shown: &Shown, share: f32) -> Vec<u32> {
     let mut words = vec![0; words_of(shown.yaws)];
     words[0] = shown.yaws;
-    words[6] = (step_deg(shown.yaws) as f32).to_bits();
+    words[6] = (row_step_deg(shown.yaws) as f32).to_bits();
     words[7] = rows(shown.yaws);
     for (word, mean) in words[3..3 + RGB].iter_mut().zip(&shown.mean) {
         *word = (share * mean).to_bits();

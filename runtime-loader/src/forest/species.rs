@@ -1,13 +1,13 @@
 //! The volumes of one species: which are wanted, and which are shown.
 
-use std::collections::{BTreeMap, BTreeSet};
+use std::collections::BTreeMap;
 use std::sync::Arc;
 
 use super::ForestSettings;
-use super::room::Wish;
+use super::room::{Wish, strides};
 use super::snapshot::Shown;
 use super::stand::Stand;
-use super::suns::{Extent, Suns};
+use super::suns::Suns;
 use super::volumes::{Made, Volumes, Wanted, lit_at};
 use crate::light::LightVolume;
 use crate::resident::{LightLevel, ResidentSpecies};
@@ -24,6 +24,10 @@ pub(super) struct Lit {
     upright: BTreeMap<u32, u32>,
     /// By cell of the suns: tilted plants that ask for it.
     tilted: BTreeMap<u32, u32>,
+    /// By stride: cells that are asked for, ascending; as far as that was looked up.
+    asked: BTreeMap<u32, Arc<[u32]>>,
+    /// Whether there was room for a volume in the last frame.
+    has_room: bool,
     now: Option<Arc<Volumes>>,
     before: Option<Arc<Volumes>>,
     /// Frames that `now` has been there, as far as it counts.
@@ -41,6 +45,8 @@ impl Lit {
             suns: Suns::of([0.0, 1.0, 0.0], settings.yaws),
             upright: BTreeMap::new(),
             tilted: BTreeMap::new(),
+            asked: BTreeMap::new(),
+            has_room: true,
             now: None,
             before: None,
             age: 0,
@@ -52,7 +58,12 @@ impl Lit {
 
     /// Counts a plant that comes (1) or goes (-1).
     pub(super) fn count(&mut self, stand: Stand, plants: i32) {
-        fn count(all: &mut BTreeMap<u32, u32>, places: impl Iterator<Item = (u32, f32)>, plants: i32) {
+        fn count(
+            all: &mut BTreeMap<u32, u32>,
+            places: impl Iterator<Item = (u32, f32)>,
+            plants: i32,
+        ) -> bool {
+            let before = all.len();
             for (place, _) in places {
                 let count = all.entry(place).or_default();
                 *count = count.saturating_add_signed(plants);
@@ -60,10 +71,14 @@ impl Lit {
                     all.remove(&place);
                 }
             }
+            all.len() != before
         }
-        match stand {
+        let is_other = match stand {
             Stand::Upright(turn) => count(&mut self.upright, self.suns.yaws_of(turn), plants),
             Stand::Tilted(_) => count(&mut self.tilted, self.suns.cells(stand, 1), plants),
+        };
+        if is_other {
+            self.asked.clear();
         }
     }
 
@@ -71,12 +86,16 @@ impl Lit {
     /// True where tilted plants are to be counted again.
     pub(super) fn aim(&mut self, day: &Daylight, settings: &ForestSettings) -> bool {
         let suns = match &self.now {
-            _ if self.is_awaited || !self.is_shown() => return false,
+            // Where there is no room, the suns do not matter.
+            _ if self.is_awaited || !self.is_shown() || !self.has_room => return false,
             Some(now) if now.fits(day, settings.step_deg) => now.suns,
             _ if self.suns.are_near(day.towards_sun, AIM * settings.step_deg) => return false,
             _ => Suns::of(day.towards_sun, settings.yaws),
         };
         let is_other = suns != self.suns && !self.tilted.is_empty();
+        if suns != self.suns {
+            self.asked.clear();
+        }
         self.suns = suns;
         if is_other {
             self.tilted.clear();
@@ -85,12 +104,15 @@ impl Lit {
     }
 
     /// Room that its volumes ask for, where it is seen at so many pixels.
-    pub(super) fn wish(&self, species: &ResidentSpecies, pixels: f32) -> Wish {
+    pub(super) fn wish(&mut self, species: &ResidentSpecies, pixels: f32) -> Wish {
         let map = species.shared().map(|shared| &shared.map);
         let bytes = map.map_or(0, |map| LightVolume::bytes_of(map, species.bands())) as u64;
-        let there = [&self.now, &self.before].into_iter().flatten().map(|volumes| volumes.extent);
-        let extent = there.fold(self.suns.extent(self.cells()), Extent::max);
-        Wish { bytes, extent, pixels, has_some: self.has_volumes() }
+        let mut volumes: Vec<u32> =
+            strides(self.suns.yaws).map(|stride| self.asked(stride).len() as u32).collect();
+        for there in [&self.now, &self.before].into_iter().flatten() {
+            volumes.iter_mut().zip(&there.counts).for_each(|(all, there)| *all = (*all).max(*there));
+        }
+        Wish { bytes, volumes, pixels, has_some: self.has_volumes() }
     }
 
     /// Cells that plants ask for; some twice.
@@ -104,25 +126,36 @@ impl Lit {
         self.now.is_some()
     }
 
-    /// Drops volumes but for those of every so manieth row and yaw, or all of them.
+    /// Drops volumes but for those of every so manieth row and yaw, or all of them where there is no room.
     pub(super) fn keep(&mut self, stride: Option<u32>) {
+        self.has_room = stride.is_some();
         let Some(stride) = stride.filter(|_| self.has_volumes()) else {
             (self.now, self.before) = (None, None);
             return;
         };
-        let kept = |volumes: Option<Arc<Volumes>>| {
+        let (now, before) = (self.now.clone(), self.before.clone());
+        let mut kept = |volumes: Option<Arc<Volumes>>| {
             let volumes = volumes?;
             let stride = self.stride_by(&volumes.day, stride);
-            Volumes::kept(volumes, stride, &self.suns, &self.asked(stride))
+            let asked = self.asked(stride);
+            Volumes::kept(volumes, stride, &self.suns, &asked)
         };
-        let (now, before) = (kept(self.now.clone()), kept(self.before.clone()));
+        let (now, before) = (kept(now), kept(before));
         self.before = before.filter(|_| now.is_some());
         self.now = now;
     }
 
     /// Cells of which volumes are wanted, of every so manieth row and yaw.
-    fn asked(&self, stride: u32) -> BTreeSet<u32> {
-        self.cells().flat_map(|cell| self.suns.around(cell, stride)).collect()
+    fn asked(&mut self, stride: u32) -> Arc<[u32]> {
+        if let Some(known) = self.asked.get(&stride) {
+            return Arc::clone(known);
+        }
+        let mut cells: Vec<u32> = self.cells().flat_map(|cell| self.suns.around(cell, stride)).collect();
+        cells.sort_unstable();
+        cells.dedup();
+        let cells: Arc<[u32]> = cells.into();
+        self.asked.insert(stride, Arc::clone(&cells));
+        cells
     }
 
     /// Every how-manieth row and yaw has a volume: one alone without a sun, as all are alike.
@@ -145,7 +178,7 @@ impl Lit {
     /// Volumes that are wanted; `None` where what is there is what is asked for, or as near to it as what is loaded
     /// allows. They are none while others are being made or were not blended in yet.
     pub(super) fn wanted(
-        &self,
+        &mut self,
         species: &ResidentSpecies,
         day: &Daylight,
         settings: &ForestSettings,
@@ -155,23 +188,27 @@ impl Lit {
             // Of no light at all nothing could be shown that is brighter later.
             return None;
         }
-        let fits = |now: &&Arc<Volumes>| now.suns == self.suns && now.fits(day, settings.step_deg);
-        let now = self.now.as_ref().filter(fits);
+        let now = self.now.clone();
+        let now = now.filter(|now| now.suns == self.suns && now.fits(day, settings.step_deg));
+        let is_aimed = day.sun == 0.0 || self.suns.are_near(day.towards_sun, settings.step_deg);
         // Those that can be made, and whether they would be better than what is there.
-        let day = now.map_or(Daylight { towards_sun: self.suns.towards_sun, ..*day }, |now| now.day);
+        let of_suns = Daylight { towards_sun: self.suns.towards_sun, ..*day };
+        let day = now.as_ref().map_or(of_suns, |now| now.day);
         let stride = self.stride_by(&day, stride);
         let cells: Vec<u32> = self
             .asked(stride)
-            .into_iter()
+            .iter()
+            .copied()
             .filter(|cell| {
                 let level = lit_at(species, &day, self.suns.sun(*cell)).level();
-                level >= LightLevel::Averages && now.is_none_or(|now| now.level(*cell) < Some(level))
+                let is_better = now.as_ref().is_none_or(|now| now.level(*cell) < Some(level));
+                level >= LightLevel::Averages && is_better
             })
             .collect();
         if cells.is_empty() {
             return None;
         }
-        let waits = self.is_awaited || !self.is_shown();
+        let waits = self.is_awaited || !self.is_shown() || (now.is_none() && !is_aimed);
         let is_first = self.now.is_none();
         let cells = if waits { Vec::new() } else { cells };
         Some(Wanted { day, suns: self.suns, stride, cells, is_first })

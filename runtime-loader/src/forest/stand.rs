@@ -18,6 +18,9 @@ impl Stand {
     /// Of a placement; it stands upright where it is tilted by less than `least_deg`. What is no number is the first
     /// yaw.
     pub(super) fn of(stands: &Transform, yaws: u32, least_deg: f64) -> Stand {
+        if !stands.rotation.as_flattened().iter().all(|entry| entry.is_finite()) {
+            return Stand::Upright(0.0);
+        }
         let least = libm::cos(least_deg.clamp(0.0, 180.0).to_radians());
         if stands.rotation[1][1] >= least || stands.is_upright() {
             return Stand::Upright(turn(stands.yaw_deg(), yaws) as f32);
@@ -112,7 +115,9 @@ pub(super) mod tests {
             assert_eq!(turn(yaw_deg, 8), expected, "{yaw_deg}");
         }
         assert_eq!(turn(f64::NAN, 8), 0.0);
-        // Hardly tilted, and not a number.
+        let nothing = Transform { rotation: [[f64::NAN; 3]; 3], ..Transform::IDENTITY };
+        assert_eq!(Stand::of(&nothing, 8, 1.0), Stand::Upright(0.0));
+        // Hardly tilted.
         let hardly = rotation([0.004, 0.0, 0.0, 1.0]);
         assert!(matches!(Stand::of(&hardly, 8, 1.0), Stand::Upright(..)));
         assert!(matches!(Stand::of(&hardly, 8, 0.1), Stand::Tilted(..)));

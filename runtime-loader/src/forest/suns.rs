@@ -19,18 +19,11 @@ use flb_format::sun::towards_sun;
 use super::stand::{EXACT, Stand, angles, model_from_world, turn};
 use crate::sun_terms::unit;
 
-/// Largest and least step from row to row, degrees; between them it is that of the yaws.
+/// Least and largest step from row to row, degrees; between them it is that of the yaws.
 const STEP_DEG: [f64; 2] = [5.0, 15.0];
 
-/// Cells of a species that count.
-#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
-pub(super) struct Extent {
-    /// Number of cells.
-    pub cells: u32,
-    /// Rows from the own row up to the highest of them, and down to the lowest.
-    pub above: u32,
-    pub below: u32,
-}
+/// Least distance of two rows that counts, degrees.
+const SHORT_DEG: f64 = 1e-3;
 
 /// The grid of suns of one sun.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -46,13 +39,13 @@ pub(super) struct Suns {
 }
 
 /// Degrees from row to row.
-pub(super) fn step_deg(yaws: u32) -> f64 {
+pub(super) fn row_step_deg(yaws: u32) -> f64 {
     (360.0 / f64::from(yaws)).clamp(STEP_DEG[0], STEP_DEG[1])
 }
 
 /// Rows of any sun, at most.
 pub(super) fn rows(yaws: u32) -> u32 {
-    libm::ceil(180.0 / step_deg(yaws)) as u32 + 2
+    libm::ceil(180.0 / row_step_deg(yaws)) as u32 + 2
 }
 
 /// Of some yaws of a circle, which ascend, the nearest to one.
@@ -63,22 +56,15 @@ fn nearest_yaw(there: &[u32], yaw: u32, yaws: u32) -> u32 {
     both.into_iter().min_by_key(|other| away(*other)).unwrap_or(yaw)
 }
 
-impl Extent {
-    /// The larger of each.
-    pub(super) fn max(self, other: Extent) -> Extent {
-        let Extent { cells, above, below } = other;
-        Extent { cells: self.cells.max(cells), above: self.above.max(above), below: self.below.max(below) }
-    }
-}
-
 impl Suns {
     /// Of a sun along a vector of the world; one without a direction is above.
     pub(super) fn of(towards_sun: [f64; 3], yaws: u32) -> Suns {
         let towards_sun = unit(towards_sun).unwrap_or([0.0, 1.0, 0.0]);
         let [azimuth_deg, elevation_deg] = angles(towards_sun);
-        let rows = |degrees: f64| libm::ceil(degrees / step_deg(yaws)) as u32;
+        let rows = |degrees: f64| libm::ceil(degrees / row_step_deg(yaws)) as u32;
         let own = rows(elevation_deg + 90.0);
-        Suns { towards_sun, azimuth_deg, elevation_deg, yaws, own, top: own + rows(90.0 - elevation_deg) }
+        let top = (own + rows(90.0 - elevation_deg)).min(self::rows(yaws) - 1);
+        Suns { towards_sun, azimuth_deg, elevation_deg, yaws, own, top }
     }
 
     /// Whether they are those of a sun, or of one that is off by no more than so many degrees.
@@ -93,35 +79,32 @@ impl Suns {
         (rows(yaws) * yaws) as usize
     }
 
-    /// The extent of some cells.
-    pub(super) fn extent(&self, cells: impl Iterator<Item = u32>) -> Extent {
-        cells.fold(Extent::default(), |extent, cell| {
-            let row = cell / self.yaws;
-            let (above, below) = (row.saturating_sub(self.own), self.own.saturating_sub(row));
-            Extent { cells: extent.cells + 1, above, below }.max(extent)
-        })
-    }
-
-    /// `[cell]`: itself where it is one of these, which ascend, or the nearest of them: of its row, if that has any.
+    /// `[cell]`: itself where it is one of these, which ascend, or the one whose sun is nearest.
     pub(super) fn nearest(&self, cells: impl Iterator<Item = u32>) -> Vec<u32> {
         let mut there: BTreeMap<u32, Vec<u32>> = BTreeMap::new();
         for cell in cells {
             there.entry(cell / self.yaws).or_default().push(cell % self.yaws);
         }
-        let of_row = |row: u32| {
-            let best = there.iter().min_by_key(|(other, _)| (other.abs_diff(row), other.abs_diff(self.own)));
-            (0..self.yaws).map(move |yaw| match best {
-                Some((row, yaws)) => row * self.yaws + nearest_yaw(yaws, yaw, self.yaws),
-                None => row * self.yaws + yaw,
-            })
+        let suns: Vec<[f64; 3]> = (0..Suns::count(self.yaws) as u32).map(|cell| self.sun(cell)).collect();
+        let nearest = |cell: u32| {
+            let is_there =
+                there.get(&(cell / self.yaws)).is_some_and(|row| row.contains(&(cell % self.yaws)));
+            let in_rows = there.iter().filter(|_| !is_there);
+            let of_rows =
+                in_rows.map(|(row, yaws)| row * self.yaws + nearest_yaw(yaws, cell % self.yaws, self.yaws));
+            let cos = |other: u32| -> f64 {
+                suns[cell as usize].iter().zip(suns[other as usize]).map(|(a, b)| a * b).sum()
+            };
+            of_rows.max_by(|a, b| cos(*a).total_cmp(&cos(*b))).unwrap_or(cell)
         };
-        (0..rows(self.yaws)).flat_map(of_row).collect()
+        (0..suns.len() as u32).map(nearest).collect()
     }
 
-    /// Cells in an order in which each so many are spread; those of the own row first.
+    /// Cells in an order in which each so many are spread over the yaws; those of the own row first.
     pub(super) fn spread(&self, cells: &[u32], parts: usize) -> Vec<u32> {
         let is_own = |cell: &u32| cell / self.yaws == self.own;
-        let (own, others): (Vec<u32>, Vec<u32>) = cells.iter().partition(|cell| is_own(cell));
+        let (own, mut others): (Vec<u32>, Vec<u32>) = cells.iter().partition(|cell| is_own(cell));
+        others.sort_by_key(|cell| (cell % self.yaws, cell / self.yaws));
         let each = |cells: Vec<u32>| {
             let step = cells.len().div_ceil(parts);
             (0..step).flat_map(|first| cells.iter().copied().skip(first).step_by(step)).collect::<Vec<u32>>()
@@ -132,7 +115,7 @@ impl Suns {
     /// Elevation of a row in the model's frame, degrees.
     fn row_deg(&self, row: u32) -> f64 {
         let above = f64::from(row) - f64::from(self.own);
-        (self.elevation_deg + above * step_deg(self.yaws)).clamp(-90.0, 90.0)
+        (self.elevation_deg + above * row_step_deg(self.yaws)).clamp(-90.0, 90.0)
     }
 
     /// Unit vector towards the sun of a cell, in the model's frame.
@@ -157,16 +140,12 @@ impl Suns {
         };
         let yaws = self.yaws_between(turn, stride);
         let cell = |(row, of_row): (u32, f32), (yaw, of_yaw)| (row * self.yaws + yaw, of_row * of_yaw);
-        // All yaws of a pole are the same sun.
-        let [low, high] = rows.map(|row| {
-            let yaws = if self.is_pole(row.0) { alone(0) } else { yaws };
-            yaws.map(|yaw| cell(row, yaw))
-        });
+        let [low, high] = rows.map(|row| yaws.map(|yaw| cell(row, yaw)));
         low.into_iter().chain(high).filter(|(_, share)| *share > 0.0)
     }
 
     /// The cells that a plant near one asks for, where every so manieth row and yaw has a volume: itself, or those
-    /// around it.
+    /// around it. All yaws of a pole are the same sun.
     pub(super) fn around(&self, cell: u32, stride: u32) -> [u32; 4] {
         let (row, yaw) = (cell / self.yaws, cell % self.yaws);
         let [low, high] = self.rows_around(f64::from(row) - f64::from(self.own), stride);
@@ -190,10 +169,10 @@ impl Suns {
     /// The two rows around an elevation, with their shares.
     fn rows_between(&self, elevation_deg: f64, stride: u32) -> [(u32, f32); 2] {
         let [low, high] =
-            self.rows_around((elevation_deg - self.elevation_deg) / step_deg(self.yaws), stride);
+            self.rows_around((elevation_deg - self.elevation_deg) / row_step_deg(self.yaws), stride);
         let [low_deg, high_deg] = [low, high].map(|row| self.row_deg(row));
         // Between the poles and their neighbours the step is shorter.
-        both(low, high, (elevation_deg - low_deg) / (high_deg - low_deg).max(EXACT))
+        both(low, high, (elevation_deg - low_deg) / (high_deg - low_deg).max(SHORT_DEG))
     }
 
     /// The two rows with volumes around a place, in rows above the own one. Where there is one yaw, there is one row.
@@ -208,6 +187,9 @@ impl Suns {
 
     /// The two yaws around a place on the circle, with their shares.
     fn yaws_between(&self, turn: f64, stride: u32) -> [(u32, f32); 2] {
+        if stride >= self.yaws {
+            return alone(0);
+        }
         let (first, next) = self.yaws_around(turn, stride);
         let span = stride.min(self.yaws.saturating_sub(first)).max(1);
         both(first, next, (turn - f64::from(first)) / f64::from(span))
@@ -235,6 +217,8 @@ fn both(first: u32, second: u32, share: f64) -> [(u32, f32); 2] {
 
 #[cfg(test)]
 mod tests {
+    use std::collections::BTreeSet;
+
     use super::super::stand::tests::{apart_deg, rotations};
     use super::*;
 
@@ -256,7 +240,7 @@ mod tests {
                     for (cell, share) in cells {
                         assert!((cell as usize) < Suns::count(yaws), "{cell} of {yaws}");
                         let away = apart_deg(suns.sun(cell), seen);
-                        let most = f64::from(stride) * (360.0 / f64::from(yaws) + step_deg(yaws));
+                        let most = f64::from(stride) * (360.0 / f64::from(yaws) + row_step_deg(yaws));
                         assert!(away < most, "{away}: {stands:?}");
                         mean_deg += f64::from(share) * angles(suns.sun(cell))[1];
                     }
@@ -280,12 +264,9 @@ mod tests {
         // Where there are fewer volumes it blends those that there are; the last step of a circle may be shorter.
         assert_eq!(cells(101.25, 2), [(2, 0.875), (4, 0.125)]);
         assert_eq!(cells(292.5, 3), [(6, 0.75), (0, 0.25)]);
-        assert_eq!(cells(101.25, 8), [(0, 1.0 - 2.25 / 8.0), (0, 2.25 / 8.0)]);
+        assert_eq!(cells(101.25, 8), [(0, 1.0)]);
         let ninety = Transform::from_yaw([0.0; 3], 90.0, 1.0);
         assert_eq!(suns.sun(8 * suns.own + 2), ninety.model_from_world_direction(suns.towards_sun));
-        let nothing = Transform { rotation: [[f64::NAN; 3]; 3], ..Transform::IDENTITY };
-        let stand = Stand::of(&nothing, 8, 1.0);
-        assert!(suns.cells(stand, 1).all(|(cell, _)| (cell as usize) < Suns::count(8)));
     }
 
     #[test]
@@ -298,7 +279,15 @@ mod tests {
                 for stride in [1, 2, 4, 8, yaws].map(|stride| stride.min(yaws)) {
                     let asked: Vec<u32> =
                         suns.cells(stand, 1).flat_map(|(cell, _)| suns.around(cell, stride)).collect();
-                    let used: Vec<u32> = suns.cells(stand, stride).map(|(cell, _)| cell).collect();
+                    let nearest = suns.nearest(asked.iter().copied().collect::<BTreeSet<u32>>().into_iter());
+                    let used = suns.cells(stand, stride).map(|(cell, _)| nearest[cell as usize]);
+                    let used: Vec<u32> = used.collect();
+                    // A cell at a pole has the volume of its first yaw.
+                    let itself = suns.cells(stand, stride).all(|(cell, _)| {
+                        let own = nearest[cell as usize];
+                        own == cell || apart_deg(suns.sun(cell), suns.sun(own)) < 1e-4
+                    });
+                    assert!(itself, "{used:?} {suns:?} {stride}");
                     assert!(
                         used.iter().all(|cell| asked.contains(cell)),
                         "{used:?} {asked:?} {suns:?} {stride}"
@@ -320,13 +309,16 @@ mod tests {
         let nearest = suns.nearest([at(0, 3), at(2, 1), at(2, 6)].into_iter());
         assert_eq!(nearest.len(), Suns::count(8));
         for (cell, expected) in [
-            ((0, 7), (0, 3)),
+            ((0, 7), (2, 6)),
+            ((0, 4), (0, 3)),
             ((2, 1), (2, 1)),
             ((2, 2), (2, 1)),
             ((2, 0), (2, 1)),
-            ((2, 4), (2, 6)),
-            // Of two rows as near the one nearer to the own row, and beyond all of them the last.
-            ((1, 5), (2, 6)),
+            ((2, 5), (2, 6)),
+            ((2, 4), (0, 3)),
+            // The nearest sun, be it of another row.
+            ((1, 3), (0, 3)),
+            ((1, 1), (2, 1)),
             ((4, 1), (2, 1)),
         ] {
             assert_eq!(nearest[at(cell.0, cell.1) as usize], at(expected.0, expected.1), "{cell:?}");
@@ -334,9 +326,14 @@ mod tests {
         let cells: Vec<u32> = (0..4).map(|yaw| at(0, yaw)).chain((0..8).map(|yaw| at(2, yaw))).collect();
         let spread = suns.spread(&cells, 4);
         assert_eq!(spread[..4], [0, 2, 4, 6].map(|yaw| at(2, yaw)));
-        assert_eq!(spread[8..], [0, 1, 2, 3].map(|yaw| at(0, yaw)));
+        let mut others = spread[8..].to_vec();
+        others.sort_unstable();
+        assert_eq!(others, [0, 1, 2, 3].map(|yaw| at(0, yaw)));
+        // Of several rows the first ones are of yaws all around.
+        let rows: Vec<u32> =
+            [0, 1, 3, 4].into_iter().flat_map(|row| (0..8).map(move |yaw| at(row, yaw))).collect();
+        let yaws: BTreeSet<u32> = suns.spread(&rows, 4)[..4].iter().map(|cell| cell % 8).collect();
+        assert_eq!(yaws, BTreeSet::from([0, 2, 4, 6]));
         assert!(suns.spread(&[], 4).is_empty());
-        let extent = Extent { cells: 12, above: 0, below: 2 };
-        assert_eq!(suns.extent(cells.into_iter()), extent);
     }
 }

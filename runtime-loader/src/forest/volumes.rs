@@ -1,10 +1,11 @@
 //! Volumes of a species under one daylight: how they are made, and which light they have.
 
-use std::collections::{BTreeMap, BTreeSet};
+use std::collections::BTreeMap;
 use std::sync::Arc;
 
 use super::plants::Plant;
-use super::suns::{Extent, Suns};
+use super::room::strides;
+use super::suns::Suns;
 use crate::light::LightVolume;
 use crate::resident::{LightLevel, ResidentSpecies};
 use crate::{Daylight, InstanceLight, SpeciesLight};
@@ -60,7 +61,8 @@ pub(super) struct Volumes {
     pub suns: Suns,
     /// Every how-manieth row and yaw plants lie between.
     pub stride: u32,
-    pub extent: Extent,
+    /// How many of them are left at each of the [`strides`].
+    pub counts: Vec<u32>,
     /// By the cell of the suns.
     lit: BTreeMap<u32, CellLight>,
     /// `[cell]`: itself, or the nearest that is there.
@@ -76,22 +78,18 @@ impl Volumes {
                 lit.entry(*cell).or_insert_with(|| one.clone());
             }
         }
-        let extent = suns.extent(lit.keys().copied());
+        let left = |stride: u32| lit.keys().filter(|cell| suns.around(**cell, stride) == [**cell; 4]).count();
+        let counts = strides(suns.yaws).map(|stride| left(stride) as u32).collect();
         let nearest = suns.nearest(lit.keys().copied());
-        (!lit.is_empty()).then_some(Volumes { day, suns, stride, extent, lit, nearest })
+        (!lit.is_empty()).then_some(Volumes { day, suns, stride, counts, lit, nearest })
     }
 
     /// Those of every so manieth row and yaw, and of those that are asked for of the same suns alone once all of these
     /// are there; `None` where none is left.
-    pub(super) fn kept(
-        all: Arc<Volumes>,
-        stride: u32,
-        suns: &Suns,
-        asked: &BTreeSet<u32>,
-    ) -> Option<Arc<Volumes>> {
+    pub(super) fn kept(all: Arc<Volumes>, stride: u32, suns: &Suns, asked: &[u32]) -> Option<Arc<Volumes>> {
         let is_whole = all.suns == *suns && asked.iter().all(|cell| all.lit.contains_key(cell));
         let stays = |cell: u32| match is_whole {
-            true => asked.contains(&cell),
+            true => asked.binary_search(&cell).is_ok(),
             false => all.suns.around(cell, stride) == [cell; 4],
         };
         let stride = if is_whole { stride } else { stride.max(all.stride) };

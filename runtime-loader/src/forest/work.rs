@@ -37,7 +37,8 @@ impl Inbox {
     }
 }
 
-/// A piece of work, to be run once on any thread. Reads wait for the file, light takes some tenths of a second.
+/// A piece of work, to be run once on any thread. Reads wait for the file, light takes some tenths of a second to
+/// some seconds.
 pub struct Work {
     task: Option<Task>,
     inbox: Arc<Inbox>,

@@ -36,6 +36,10 @@ impl Mend {
                 format!("set its material's alphaMode to OPAQUE, or keep all of it ({alpha})")
             }
             Doubt::Uncut { .. } => "set its material's alphaMode to MASK and export again".to_owned(),
+            Doubt::VertexColors { .. } => {
+                let words = self.words("--ignore-vertex-colours", "`ignore_vertex_colours = true`");
+                format!("{words} takes all vertices for white")
+            }
             Doubt::Card { .. } => {
                 let nodes = self.words("--node", "`nodes`");
                 let ignored = self.words("--ignore", "`ignore`");

@@ -5,7 +5,7 @@ use std::collections::BTreeMap;
 
 use flb_format::meta::Bounds;
 
-use super::{Doubt, Extents, alpha, card, number};
+use super::{Doubt, Extents, alpha, card, number, painted};
 use crate::import::area;
 use crate::mesh::Part;
 use crate::{ClassedMesh, MaterialClass};
@@ -45,6 +45,7 @@ pub(super) fn doubts(plant: &ClassedMesh, extents: &Extents) -> Vec<Doubt> {
         _ => {}
     }
     found.extend(alpha::doubts(plant));
+    found.extend(painted::doubts(plant));
     found.extend(card::doubt(plant, extents));
     found
 }

@@ -76,6 +76,8 @@ pub(super) struct Soup {
     normals: Vec<[f32; 3]>,
     /// As long as `points`.
     uvs: Vec<[f32; 2]>,
+    /// Whether all vertices are white.
+    ignores_colors: bool,
     /// As long as `points`, or empty where all are white.
     colors: Vec<[f32; 4]>,
     /// `points` as f32, less the offset: only once all are there.
@@ -136,6 +138,11 @@ const VERTEX_CLEANING_BYTES: usize = 48;
 const TRIANGLE_CLEANING_BYTES: usize = 21;
 
 impl Soup {
+    /// Nothing yet; all vertices are to be white, or as their file says.
+    pub(super) fn new(ignores_colors: bool) -> Soup {
+        Soup { ignores_colors, ..Soup::default() }
+    }
+
     /// Adds a vertex; its index. A normal, texture coordinate or colour that is not finite counts as missing. `place`
     /// is asked for where a position is not finite.
     pub(super) fn push_vertex(
@@ -163,7 +170,7 @@ impl Soup {
             [0.0; 2]
         };
         files.push("vertices", &mut self.uvs, uv)?;
-        let color = color.unwrap_or(WHITE);
+        let color = color.filter(|_| !self.ignores_colors).unwrap_or(WHITE);
         if !color.iter().all(|x| x.is_finite()) {
             files.warn("colours of vertices that are not numbers were set to white".to_owned());
         } else if color != WHITE {

@@ -1,7 +1,7 @@
 //! What a baked file says of how its mesh was read ([`flb_format::provenance`]).
 
 use flb_format::SpeciesMeta;
-use flb_format::provenance::{CLASSES, GLTF_MESH, NODES, OFFSET_M, SPLIT, UNIT_M, UP};
+use flb_format::provenance::{CLASSES, GLTF_MESH, IGNORE_VERTEX_COLORS, NODES, OFFSET_M, SPLIT, UNIT_M, UP};
 
 use crate::import::Up;
 use crate::{ImportSettings, MaterialClass, Mesh};
@@ -19,6 +19,8 @@ pub struct Record {
     pub nodes: Vec<String>,
     /// Patterns by which materials were split.
     pub split: Vec<String>,
+    /// Whether all vertices were taken for white.
+    pub ignore_vertex_colors: bool,
     /// Offset subtracted from the coordinates, metres.
     pub offset_m: [f64; 3],
     /// Class of every material.
@@ -34,6 +36,7 @@ impl Record {
             gltf_mesh: settings.gltf_mesh.clone(),
             nodes: settings.nodes.clone(),
             split: settings.split.clone(),
+            ignore_vertex_colors: settings.ignore_vertex_colors,
             offset_m: mesh.offset_m,
             classes: classes.to_vec(),
         }
@@ -48,6 +51,9 @@ impl Record {
             if !patterns.is_empty() {
                 meta.record(key, patterns.clone());
             }
+        }
+        if self.ignore_vertex_colors {
+            meta.record(&IGNORE_VERTEX_COLORS, true);
         }
         if self.offset_m != [0.0; 3] {
             meta.record(&OFFSET_M, self.offset_m);
@@ -68,7 +74,8 @@ pub fn recorded_settings(meta: &SpeciesMeta) -> ImportSettings {
     let [nodes, split] = [&NODES, &SPLIT].map(|key| meta.recorded(key).unwrap_or_default());
     // A file that says none was baked from coordinates as they are.
     let offset_m = Some(recorded_offset_m(meta));
-    ImportSettings { up: Some(up), unit_m, gltf_mesh, nodes, split, offset_m }
+    let ignore_vertex_colors = meta.recorded(&IGNORE_VERTEX_COLORS) == Some(true);
+    ImportSettings { up: Some(up), unit_m, gltf_mesh, nodes, split, ignore_vertex_colors, offset_m }
 }
 
 /// Returns the offset subtracted from the coordinates of the mesh that a species was baked from, metres; zeros for

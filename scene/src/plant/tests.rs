@@ -45,6 +45,7 @@ fn what_a_file_records_is_how_its_mesh_is_read_again() {
         gltf_mesh: Some("Oak".to_owned()),
         split: vec!["*@Trunk".to_owned()],
         nodes: vec!["Oak*".to_owned()],
+        ignore_vertex_colors: true,
         offset_m: Some([0.0, 3.0, -7.0]),
     };
     let classes = vec![MaterialClass::Wood, MaterialClass::Neither, MaterialClass::Leaf];

@@ -12,6 +12,7 @@ leaf = ["leaves*"]
 wood = ["bark", "stem*"]
 ignore = ["ground"]
 ignore_alpha = false
+ignore_vertex_colours = true
 [[optics]]
 name = "R"
 leaf = { sigma_a = 0.109, fs = 0.055, bs = 0.070 }
@@ -26,6 +27,7 @@ wood = { sigma_a = 0.109, g = -1.0 }
         up: Some(Up::Y),
         unit_m: Some(0.01),
         gltf_mesh: Some(mesh.to_owned()),
+        ignore_vertex_colors: true,
         ..ImportSettings::default()
     };
     assert_eq!(species.import_settings(&over), of("Oak"));

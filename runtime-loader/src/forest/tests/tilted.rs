@@ -101,3 +101,60 @@ fn without_a_sun_one_volume_serves_all_plants_of_a_species() {
         assert!(error(&light(&forest.snapshot(), *id), &exact(plant, &DAY)) < 0.02);
     }
 }
+
+#[test]
+fn once_there_is_room_again_finer_volumes_come_and_stay() {
+    // Slopes to 10 degrees, and a second species that is seen for a while only.
+    let slope = |number: u32| {
+        let half = f64::from(noise(number, 7)) * libm::sin(5.0_f64.to_radians());
+        let (sin, cos) = libm::sincos(2.4 * f64::from(number));
+        let (turn_sin, turn_cos) = libm::sincos(0.7 * f64::from(number));
+        // A yaw, then a tilt to some side.
+        tilted(
+            0,
+            [
+                half * (cos * turn_cos + sin * turn_sin),
+                turn_sin,
+                half * (sin * turn_cos - cos * turn_sin),
+                turn_cos,
+            ],
+        )
+    };
+    let fresh = |max_volume_bytes: u64| {
+        let mut forest = forest(ForestSettings { max_volume_bytes, ..quick() });
+        (0..40).for_each(|number| _ = forest.add(&slope(number)).expect("a species"));
+        forest
+    };
+    let settled = |mut forest: Forest| {
+        settle(&mut forest, &DAY);
+        forest.frame(&camera(), &DAY, drop)
+    };
+    let all = settled(fresh(u64::MAX)).volume_bytes as u64;
+    for share in [10, 14, 19, 21, 26, 40] {
+        let room = all * share / 10;
+        let expected = settled(fresh(room));
+        let mut forest = fresh(room);
+        let others: Vec<PlantId> = (0..8)
+            .map(|number| forest.add(&plant(1, 45.0 * f64::from(number))).expect("a species"))
+            .collect();
+        let mut made = Vec::new();
+        for frame in 0..900 {
+            if frame == 60 {
+                others.iter().for_each(|id| assert!(forest.remove(*id)));
+            }
+            let mut works = 0;
+            let report = forest.frame(&camera(), &DAY, |work| {
+                works += usize::from(work.is_light());
+                work.run();
+            });
+            assert!(report.volume_bytes as u64 <= room, "{frame}: {report:?}");
+            made.push(works);
+        }
+        let last = forest.frame(&camera(), &DAY, drop);
+        assert_eq!((last.yaws, last.volume_bytes), (expected.yaws, expected.volume_bytes), "{share}");
+        assert!(
+            last.is_final && made[450..].iter().all(|works| *works == 0),
+            "{share}: made again and again"
+        );
+    }
+}

@@ -145,6 +145,10 @@ fn flb_cells(record: u32, species: u32, sun: u32) -> FlbCells {
     let yaws = flb_volumes[species];
     let own = flb_volumes[sun + FLB_SUN_OWN_ROW];
     let stride = flb_volumes[sun + FLB_SUN_STRIDE];
+    if stride >= yaws {
+        // One volume for all.
+        return FlbCells(vec2<u32>(own), vec2<u32>(0u), 0.0, 0.0);
+    }
     var turn = bitcast<f32>(flb_volumes[record + 1u]);
     var rows = vec2<u32>(own);
     var second_row = 0.0;

@@ -76,6 +76,9 @@ fn the_finest_level_is_named_though_its_name_has_none() {
     assert_eq!(names, &["Oak", "Oak_LOD1"]);
 }
 
+/// The colour of each vertex.
+type Paint<'p> = &'p dyn Fn(usize) -> [f32; 3];
+
 /// The tree with an image whose alpha is that of each column of 64; leaves and wood show the first `shown` of them.
 fn with_alpha(material: usize, mode: AlphaMode, shown: f32, alpha: impl Fn(usize) -> u8) -> ClassedMesh {
     let [wood, leaves] = tree();
@@ -92,6 +95,43 @@ fn with_alpha(material: usize, mode: AlphaMode, shown: f32, alpha: impl Fn(usize
         (0..3).for_each(|corner| tree.mesh.uvs[triangle[corner] as usize] = corners[corner]);
     }
     tree
+}
+
+#[test]
+fn colours_of_vertices_over_a_texture_are_doubted_where_they_look_like_data() {
+    let painted = |of: Paint<'_>| {
+        let mut tree = with_alpha(0, AlphaMode::Opaque, 1.0, |_| 255);
+        tree.mesh.colors = (0..tree.mesh.positions.len()).map(of).collect();
+        all_found(&tree, Up::Y)
+    };
+    let random =
+        |vertex: usize, band: u32| (crate::sampling::hash(3 * vertex as u32 + band) % 256) as f32 / 255.0;
+    let looks: [(Paint<'_>, Option<Painted>); 7] = [
+        (&|_| [0.0; 3], Some(Painted::Black)),
+        (&|vertex| [0.0, 0.0, random(vertex, 0)], Some(Painted::OneChannel)),
+        (&|vertex| [0, 1, 2].map(|band| random(vertex, band)), Some(Painted::AllHues)),
+        // Shade, and an autumn from green to red.
+        (&|vertex| [0.2 + 0.8 * random(vertex, 0); 3], None),
+        (&|vertex| [random(vertex, 0), 1.0 - random(vertex, 0), 0.1], None),
+        (&|_| [1.0, 0.3, 0.1], None),
+        (&|_| [1.0; 3], None),
+    ];
+    for (of, expected) in looks {
+        match (&painted(of)[..], expected) {
+            ([], None) => {}
+            ([doubt @ Doubt::VertexColors { material, look }], Some(expected)) => {
+                assert_eq!(*look, expected);
+                assert!(doubt.to_string().contains(material), "{doubt}");
+            }
+            found => panic!("{found:?}"),
+        }
+    }
+    // Without a texture they are the colour itself.
+    let [wood, leaves] = tree();
+    let mut plain = plant(&wood, &leaves, |point| point);
+    plain.mesh.colors =
+        (0..plain.mesh.positions.len()).map(|vertex| [0, 1, 2].map(|band| random(vertex, band))).collect();
+    assert!(all_found(&plain, Up::Y).is_empty());
 }
 
 #[test]

@@ -87,6 +87,18 @@ fn a_red_tree_by_its_vertices_is_a_red_tree() {
 }
 
 #[test]
+fn colours_of_vertices_are_left_out_where_that_is_asked_for() {
+    let attribute = changed(&[("/meshes/0/primitives/0/attributes/COLOR_0", json!(1))]);
+    let json =
+        with_accessors(attribute, vec![(bytes_of(&[[0.6, 0.05, 0.0, 0.2]; 3].concat()), float(3, "VEC4"))]);
+    let ignored = ImportSettings { ignore_vertex_colors: true, ..ImportSettings::default() };
+    let mesh = read_with("plant.gltf", json.to_string().as_bytes(), &[], &ignored).unwrap();
+    assert!(mesh.colors.is_empty() && read(&json).unwrap().colors.len() == 3);
+    let white = read(&one_triangle()).unwrap();
+    assert_eq!((&mesh.materials, mesh.digest()), (&white.materials, white.digest()));
+}
+
+#[test]
 fn morph_weights_of_a_node_go_before_those_of_its_mesh() {
     let moved = bytes_of(&[0.0, 1.0, 0.0, 0.0, 1.0, 0.0, 0.0, 3.0, 0.0]);
     let morphed = |changes: &[(&str, Value)]| {
