@@ -49,6 +49,9 @@ use work::{Done, Inbox};
 /// Most yaws: a tenth of a degree.
 const MAX_YAWS: u32 = 3600;
 
+/// Least step of the sun, degrees: of less, rounding makes volumes anew for a sun that stands still.
+const MIN_STEP_DEG: f64 = 0.01;
+
 /// Frames that more yaws must fit before they are made.
 const REFINE_FRAMES: u32 = 120;
 
@@ -67,7 +70,8 @@ pub struct ForestSettings {
     /// exact light, others a blend of two. For tilted ones there are as many degrees from one height of the sun to the
     /// next as from yaw to yaw, 5 to 15.
     pub yaws: u32,
-    /// Degrees that the sun moves before volumes are made anew. Plants that are tilted by less stand upright.
+    /// Degrees that the sun moves before volumes are made anew, 0.01 or more. Plants that are tilted by less stand
+    /// upright.
     pub step_deg: f64,
     /// Frames over which light that came takes the place of what was there, 1 or more.
     pub blend_frames: u16,
@@ -145,6 +149,12 @@ impl Forest {
         let settings = ForestSettings {
             yaws: settings.yaws.clamp(1, MAX_YAWS),
             blend_frames: settings.blend_frames.max(1),
+            // What is no number is the least step, too.
+            step_deg: if settings.step_deg > MIN_STEP_DEG {
+                settings.step_deg.min(180.0)
+            } else {
+                MIN_STEP_DEG
+            },
             ..settings
         };
         let stage = Stage::new(Arc::clone(&library), settings.residency)?;

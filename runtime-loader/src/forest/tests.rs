@@ -390,6 +390,18 @@ fn a_flight_keeps_its_promises_at_every_budget() {
 }
 
 #[test]
+fn any_step_of_the_sun_ends_in_light_that_stays() {
+    for step_deg in [0.0, -3.0, 1e-9, f64::NAN, f64::INFINITY] {
+        let mut forest = forest(ForestSettings { step_deg, ..quick() });
+        let stands = plant(0, 45.0);
+        let id = forest.add(&stands).expect("a species");
+        settle(&mut forest, &DAY);
+        assert_eq!(settle(&mut forest, &DAY), 0, "{step_deg}");
+        assert!(error(&light(&forest.snapshot(), id), &exact(&stands, &DAY)) < 0.02);
+    }
+}
+
+#[test]
 fn what_is_not_seen_for_long_is_dropped() {
     let mut forest = forest(ForestSettings { keep_frames: 3, ..quick() });
     forest.add(&plant(SHRUB, 0.0)).expect("a species");
