@@ -184,10 +184,9 @@ pub struct Texture {
 }
 
 /// Colour between the middles of texels. Cover is that of the nearest, whatever the filter.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Filter {
     /// Mixed of four texels.
-    #[default]
     Linear,
     /// Colour of the nearest one, as of a palette (glTF's magFilter 9728).
     Nearest,

@@ -87,11 +87,10 @@ impl Suns {
         }
         let suns: Vec<[f64; 3]> = (0..Suns::count(self.yaws) as u32).map(|cell| self.sun(cell)).collect();
         let nearest = |cell: u32| {
-            let is_there =
-                there.get(&(cell / self.yaws)).is_some_and(|row| row.contains(&(cell % self.yaws)));
+            let (row, yaw) = (cell / self.yaws, cell % self.yaws);
+            let is_there = there.get(&row).is_some_and(|yaws| yaws.binary_search(&yaw).is_ok());
             let in_rows = there.iter().filter(|_| !is_there);
-            let of_rows =
-                in_rows.map(|(row, yaws)| row * self.yaws + nearest_yaw(yaws, cell % self.yaws, self.yaws));
+            let of_rows = in_rows.map(|(row, yaws)| row * self.yaws + nearest_yaw(yaws, yaw, self.yaws));
             let cos = |other: u32| -> f64 {
                 suns[cell as usize].iter().zip(suns[other as usize]).map(|(a, b)| a * b).sum()
             };
