@@ -34,14 +34,14 @@ use flb_format::matter::{
 };
 use flb_format::{Grid, Placement};
 
-use crate::crown::Crown;
+use crate::crown::{Crown, as_open_as};
 use deposit::Sums;
 use flb_transport::ordinates::Surroundings;
 use flb_transport::turbid::BandScatter;
 use flb_transport::turbid::scatter;
 use grains::Grain;
 
-pub use digest::stand_digest;
+pub use digest::{matter_digest, stand_digest};
 pub use entry::{Entry, entry, paper_entry};
 pub use error::SceneLightError;
 pub use ground::Ground;
@@ -194,16 +194,26 @@ impl<'a> Scenery<'a> {
         &self.grid
     }
 
-    /// A species by itself, on sites as large as the scene's are beside its mean instance.
+    /// The matter of a species by itself, on sites as large as the scene's are beside its mean instance. It is less
+    /// open than the plant: see [`Scenery::as_open`].
     ///
     /// # Errors
     /// [`SceneLightError::TooFine`].
     ///
     /// # Panics
     /// If there is no such species.
-    pub fn alone(&self, species: usize) -> Result<Crown, SceneLightError> {
+    pub fn coarse(&self, species: usize) -> Result<TurbidMedium, SceneLightError> {
         let Usage { scale, grains, .. } = &self.usage[species];
-        alone::alone(&self.plants[species], grains, self.grid.spacing_m / scale)
+        alone::coarse(&self.plants[species], grains, self.grid.spacing_m / scale)
+    }
+
+    /// The species' [`Scenery::coarse`] matter times the factor that makes it as open as the plant is. Of the crown, the
+    /// mesh is the fine medium.
+    ///
+    /// # Panics
+    /// If there is no such species.
+    pub fn as_open(&self, species: usize, coarse: TurbidMedium) -> Crown {
+        as_open_as(self.plants[species].turbid, coarse)
     }
 
     /// All instances and the ground. `factors` are those of the species alone, `surfaces` theirs in luminance.

@@ -6,7 +6,7 @@ use flb_farm::cache::Cache;
 use flb_farm::recipe::{check_end, check_lattice, ordinates_of};
 use flb_files::check_unread;
 use flb_format::SpeciesFields;
-use flb_packer::{EncodeSettings, encode_species, write_library};
+use flb_packer::{EncodeSettings, encode_all, write_library};
 use flb_scene::Step;
 use flb_scene::scene::SceneSpecies;
 use serde::Serialize;
@@ -87,10 +87,8 @@ pub(crate) fn run(args: &BakeSceneArgs) -> Result<u8, Failure> {
     })?;
     tell_of_large_sites(&scene, &baked, args.lattice);
     let coding = EncodeSettings::scene_light();
-    let encode = |entry: &SpeciesFields| {
-        stages.run(Step::Encode, &entry.meta.name, |progress| encode_species(entry, &coding, progress))
-    };
-    let coded = baked.entries().map(encode).collect::<Result<Vec<_>, _>>()?;
+    let entries: Vec<&SpeciesFields> = baked.entries().collect();
+    let coded = stages.run(Step::Encode, "", |progress| encode_all(&entries, &coding, progress))?;
     let bytes = stages.run(Step::Write, &args.output.display().to_string(), |_| {
         write_library(&args.output, &coded.iter().collect::<Vec<_>>(), args.existing)
     })?;

@@ -154,6 +154,27 @@ pub fn encode_species(
     Ok(EncodedSpecies { meta, sections, report: Some(report), dropped: Vec::new() })
 }
 
+/// Codes species side by side, with the same settings: small ones leave cores idle where one is coded at a time. The
+/// species of the result are in the order given. `progress` is called with the share that is done, from any thread.
+///
+/// # Errors
+/// Those of [`encode_species`], for the first species in order that has one.
+pub fn encode_all(
+    species: &[&SpeciesFields],
+    settings: &EncodeSettings,
+    progress: &Progress<'_>,
+) -> Result<Vec<EncodedSpecies>, PackError> {
+    let done = AtomicUsize::new(0);
+    let share = |count: usize| progress(count as f64 / species.len() as f64);
+    let encode = |fields: &&SpeciesFields| {
+        let coded = encode_species(fields, settings, &|_| share(done.load(Ordering::Relaxed)))?;
+        share(done.fetch_add(1, Ordering::Relaxed) + 1)?;
+        Ok(coded)
+    };
+    let coded: Vec<_> = species.par_iter().map(encode).collect();
+    coded.into_iter().collect()
+}
+
 fn check_settings(settings: &EncodeSettings) -> Result<(), PackError> {
     let fits = (0.0..=MAX_MAGNITUDE).contains(&settings.threshold);
     if !fits {

@@ -34,7 +34,8 @@ pub mod surface;
 mod write;
 
 pub use encode::{
-    CodingPreset, EncodeSettings, EncodedPage, EncodedSection, EncodedSpecies, StoredBlocks, encode_species,
+    CodingPreset, EncodeSettings, EncodedPage, EncodedSection, EncodedSpecies, StoredBlocks, encode_all,
+    encode_species,
 };
 pub use error::PackError;
 pub use flb_files::Existing;

@@ -197,7 +197,7 @@ impl Stand {
         };
         let mut factors = Vec::new();
         for (index, kind) in self.kinds.iter().enumerate() {
-            let crown = scenery.alone(index).expect("a plant that is not too large");
+            let crown = scenery.as_open(index, scenery.coarse(index).expect("a plant that is not too large"));
             let role = Role::Alone { species: kind.name.clone() };
             solve(role, &crown.turbid, &[], &kind.surfaces, &ordinates::Surroundings::NONE);
             factors.push(crown.factor);

@@ -72,7 +72,9 @@ impl Artefact for Crown {
             return fault("angles", format!("{found}: expected {INCLINATIONS} shares whose sum is 1"));
         };
         let turbid = TurbidMedium { grid, leaf_per_m, wood_per_m, angles };
-        let sites = turbid.sites().len();
+        // Of a medium that was made coarser, nothing is known of sides.
+        let is_coarser = [&leaf_sides, &open_sides, &sides_to_wood].iter().all(|sides| sides.is_empty());
+        let sites = if is_coarser { 0 } else { turbid.sites().len() };
         check_length("leaf_sides", leaf_sides.len(), sites)?;
         if let Some(place) = leaf_sides.iter().position(|sides| !sides.is_finite()) {
             return fault(&format!("leaf_sides, place {place}"), "expected a finite number".to_owned());

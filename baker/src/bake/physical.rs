@@ -156,7 +156,10 @@ fn crown(
         .with_all(of_crown(settings));
     work.run(Step::Crown, |progress| {
         let make = || Ok(measure_crown(&classed.mesh, &classed.classes, medium, settings, progress)?);
-        let check = |crown: &Crown| fits("grid", &crown.turbid.grid, &medium.grid);
+        let check = |crown: &Crown| {
+            fits("grid", &crown.turbid.grid, &medium.grid)?;
+            fits("sites with sides", &crown.seen_sky.sides.len(), &crown.turbid.sites().len())
+        };
         store::reuse_or_make(work, Step::Crown, &key, check, make)
     })
 }

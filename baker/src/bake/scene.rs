@@ -11,15 +11,16 @@ use flb_transport::ordinates::{Backend, Ordinates, OrdinatesSettings, OrdinatesS
 use flb_transport::turbid::scatter;
 use serde_json::{Value, json};
 
+use super::key::hex;
 use super::light::{self, LightSource, converged, error_of};
 use super::observer::BakeObserver;
 use super::settings::unsolved_light;
 use super::store::{self, Store};
-use super::{BakeError, Work};
+use super::{BakeError, Key, Work};
 use crate::crown::Crown;
 use crate::scene_light::{
-    Entry, Ground, Plant, SceneLightError, Scenery, Stand, entry, extinction, luminance, mean_optics,
-    optics_in_luminance, stand_digest,
+    Entry, Ground, Plant, SceneLightError, Scenery, Stand, entry, extinction, luminance, matter_digest,
+    mean_optics, optics_in_luminance, stand_digest,
 };
 
 mod lattice;
@@ -317,7 +318,7 @@ pub fn bake_scene(
         baking.merge("", || Ok(Scenery::new(&plants, &scene.instances, ground, settings.lattice)?))?;
     let mut species = Vec::new();
     for (index, plant) in scene.plants.iter().enumerate() {
-        let crown = baking.merge(&plant.name, || Ok(scenery.alone(index)?))?;
+        let crown = baking.crown(plant, &scenery, index)?;
         let (fields, cached) = baking.alone(plant, &crown)?;
         let site_widths = crown.turbid.grid.spacing_m / width_m(&plant.turbid);
         species.push(BakedAlone { fields, factor: crown.factor, site_widths, cached });
@@ -368,6 +369,20 @@ impl Baking<'_> {
 
     fn merge<T>(&self, name: &str, work: impl FnOnce() -> Result<T, BakeError>) -> Result<T, BakeError> {
         self.work(name).run(Step::Merge, |_| work())
+    }
+
+    /// The matter of a species alone, as open as the plant is: measured or taken from the store. It stays as it is when
+    /// plants of the scene move.
+    fn crown(&self, plant: &ScenePlant, scenery: &Scenery, species: usize) -> Result<Crown, BakeError> {
+        let coarse = self.merge(&plant.name, || Ok(scenery.coarse(species)?))?;
+        let grid = coarse.grid;
+        let key =
+            Key::new("alone").with("plant", json!(plant.digest)).with("coarse", hex(matter_digest(&coarse)));
+        self.merge(&plant.name, || {
+            let make = || Ok(scenery.as_open(species, coarse));
+            let check = |crown: &Crown| store::fits("grid", &crown.turbid.grid, &grid);
+            store::reuse_or_make(&self.work(&plant.name), Step::Merge, &key, check, make)
+        })
     }
 
     /// The fields of a species alone, and whether the store had them.

@@ -1,24 +1,27 @@
-//! A species by itself on sites as coarse as a scene's, as open as it is on its own.
+//! A species by itself on sites as coarse as a scene's.
 
+use flb_format::matter::TurbidMedium;
 use flb_format::{Grid, Placement, Transform};
 
 use super::deposit::{BORDER, Sums};
 use super::grains::Grain;
 use super::{Plant, SceneLightError};
-use crate::crown::{Crown, as_open_as};
 
 /// The smallest lattice.
 const SMALLEST: u32 = 16;
 /// The largest.
 const LARGEST: u32 = 256;
 
-/// The species on sites of `spacing_m` of its own metres. Of the crown, the mesh is the fine medium.
-pub(super) fn alone(plant: &Plant, grains: &[Grain], spacing_m: f64) -> Result<Crown, SceneLightError> {
+/// The species' matter on sites of `spacing_m` of its own metres, less open than it is.
+pub(super) fn coarse(
+    plant: &Plant,
+    grains: &[Grain],
+    spacing_m: f64,
+) -> Result<TurbidMedium, SceneLightError> {
     let grid = grid_around(plant.name, grains, spacing_m)?;
     let mut sums = Sums::new(grid, None);
     sums.add(&AT_HOME, grains, 1.0, [0.0; 2]);
-    let (coarse, ..) = sums.finish(plant.turbid.angles.clone(), None);
-    Ok(as_open_as(plant.turbid, coarse))
+    Ok(sums.finish(plant.turbid.angles.clone(), None).0)
 }
 
 /// Where a plant stands that stands nowhere in particular.

@@ -33,24 +33,26 @@ impl Sums {
     pub(super) fn add(&mut self, instance: &Placement, grains: &[Grain], factor: f64, albedo: [f64; 2]) {
         let (stands, larger) =
             (instance.transform, instance.transform.scale * instance.transform.scale * factor);
+        let most = f64::from(self.grid.lattice - 1 - BORDER);
         for grain in grains {
             let area = grain.area_m2.map(|area| area * larger);
             let at = self.grid.lattice_from_model(stands.world_from_model_point(grain.at_m));
-            let low = at.map(|c| libm::floor(c - 0.5));
+            // Per axis the lower and the upper of two sites, and their weights.
+            let (mut sites, mut weights) = ([[0; 2]; 3], [[0.0; 2]; 3]);
+            for axis in 0..3 {
+                let low = libm::floor(at[axis] - 0.5);
+                let t = at[axis] - 0.5 - low;
+                weights[axis] = [1.0 - t, t];
+                sites[axis] = [low, low + 1.0].map(|c| c.clamp(f64::from(BORDER), most) as u32);
+            }
             for corner in 0..8 {
                 let upper = [corner & 1, corner >> 1 & 1, corner >> 2];
-                let mut weight = 1.0;
-                let mut site = [0; 3];
-                for axis in 0..3 {
-                    let t = at[axis] - 0.5 - low[axis];
-                    weight *= if upper[axis] == 1 { t } else { 1.0 - t };
-                    let most = f64::from(self.grid.lattice - 1 - BORDER);
-                    site[axis] = (low[axis] + f64::from(upper[axis])).clamp(f64::from(BORDER), most) as u32;
-                }
+                let [x, mut y, z] = std::array::from_fn(|axis| sites[axis][upper[axis]]);
+                let weight = weights[0][upper[0]] * weights[1][upper[1]] * weights[2][upper[2]];
                 if let Some(tops) = &self.tops {
-                    site[1] = site[1].max(tops[(site[2] * self.grid.lattice + site[0]) as usize]);
+                    y = y.max(tops[(z * self.grid.lattice + x) as usize]);
                 }
-                let index = self.grid.index(site[0], site[1], site[2]);
+                let index = self.grid.index(x, y, z);
                 for kind in 0..2 {
                     let area = area[kind] * weight;
                     self.area_m2[index][kind] += area;

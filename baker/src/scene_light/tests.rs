@@ -128,7 +128,7 @@ fn a_scene_twice_as_large_has_sites_of_the_same_depth() {
         let places = [[0.0, 0.0, 0.0], [2.5, 0.5, 1.0]];
         let instances = places.map(|place| instance(place.map(|c| c * times), times));
         let scenery = Scenery::new(&plants, &instances, Some(&ground), 32).expect("a scene");
-        let alone = scenery.alone(0).expect("a plant");
+        let alone = scenery.as_open(0, scenery.coarse(0).expect("a plant"));
         let stand = scenery.stand(&[alone.factor], &[surfaces([0.1; 3])]);
         (stand, alone)
     };
@@ -167,7 +167,8 @@ fn a_coarse_crown_is_as_open_as_the_fine_one_and_no_matter_is_made() {
     let instances = [instance([-15.0, 0.0, 0.0], 1.0), instance([15.0, 0.0, 0.0], 1.0)];
     let alone = |turbid: &TurbidMedium, lattice: u32| {
         let plants = [plant(turbid)];
-        Scenery::new(&plants, &instances, None, lattice).expect("a scene").alone(0).expect("a plant")
+        let scenery = Scenery::new(&plants, &instances, None, lattice).expect("a scene");
+        scenery.as_open(0, scenery.coarse(0).expect("a plant"))
     };
     let crown = alone(&gappy, 64);
     assert!((crown.gap - crown.mesh_gap).abs() < 1e-4, "{} and {}", crown.gap, crown.mesh_gap);
@@ -272,7 +273,8 @@ fn what_makes_no_scene_is_refused_by_name() {
     (2..14).for_each(|y| pole.wood_per_m[pole.grid.index(8, y, 8)] = 1.0);
     let plants = [plant(&pole)];
     let aslant = [Placement { transform: Transform { rotation: TILTED, ..one[0].transform }, ..one[0] }];
-    let error = Scenery::new(&plants, &aslant, None, 256).expect("a scene").alone(0).unwrap_err().to_string();
+    let error =
+        Scenery::new(&plants, &aslant, None, 256).expect("a scene").coarse(0).unwrap_err().to_string();
     let [start, end] =
         ["species \"ball\" covers ", " sites of the scene's lattice along an edge, expected up to 250"];
     assert!(error.starts_with(start) && error.ends_with(end), "{error}");

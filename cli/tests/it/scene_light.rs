@@ -2,7 +2,7 @@
 
 use serde_json::{Value, json};
 
-use crate::flb::{Folder, PAPER, Run};
+use crate::flb::{Folder, PAPER, Run, names_in};
 use crate::picture::pixels;
 use crate::schema::{misfits, schema};
 
@@ -115,7 +115,9 @@ fn move_one(folder: &Folder) {
 fn moving_a_plant_solves_nothing_but_the_scene_again_and_old_light_is_refused() {
     let folder = stand();
     let bake = |output: &str| {
-        let run = bake_scene(&folder, &["--cache", "cache", "-o", output, "--json"]).expect_code(0).json();
+        let run = bake_scene(&folder, &["--cache", "cache", "-o", output, "--json"]).expect_code(0);
+        assert!(!run.stderr.contains("made again"), "{}", run.stderr);
+        let run = run.json();
         let solves = run["stages"].as_array().expect("a list").iter().find(|stage| stage["name"] == "solve");
         let solves = solves.expect("a stage")["solves"].as_array().expect("a list").clone();
         let of =
@@ -133,6 +135,9 @@ fn moving_a_plant_solves_nothing_but_the_scene_again_and_old_light_is_refused() 
     let says = ["first.flb", "other plants or another ground", "bake it again"];
     render(&folder, &with).expect_code(2).says(&says);
     assert_eq!(bake("moved.flb"), said([true, true, false]));
+    // Nor are the plants by themselves measured again: the cache has both, and takes no third.
+    let names = names_in(&folder.path("cache"));
+    assert_eq!(names.iter().filter(|name| name.starts_with("alone-")).count(), 2);
     assert_ne!(folder.read("first.flb"), folder.read("moved.flb"));
     render(&folder, &["--scene-light", "moved.flb", "-o", "moved.png"]).expect_code(0);
 }
