@@ -207,8 +207,8 @@ impl<'a> Scenery<'a> {
         alone::coarse(&self.plants[species], grains, self.grid.spacing_m / scale)
     }
 
-    /// The species' [`Scenery::coarse`] matter times the factor that makes it as open as the plant is. Of the crown, the
-    /// mesh is the fine medium.
+    /// The species' [`Scenery::coarse`] matter times the factor that makes it as open as the plant is. Of the crown,
+    /// the mesh is the fine medium.
     ///
     /// # Panics
     /// If there is no such species.

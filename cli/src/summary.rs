@@ -3,6 +3,7 @@
 use flb_format::container::records::{KIND_AVERAGES, KIND_BASE, KIND_BLOCKS, KIND_DETAIL};
 use flb_format::provenance::SURFACE_PSNR_DB;
 use flb_packer::EncodedSpecies;
+use flb_packer::sections::EncodedSection;
 use serde::Serialize;
 
 use flb_baker::bake::base_list;
@@ -54,9 +55,9 @@ impl SpeciesSummary {
         let meta = &species.meta;
         let of_base = |kind: u32| matches!(kind, KIND_BASE | KIND_BLOCKS | KIND_AVERAGES | KIND_DETAIL);
         let sections = species.sections.iter().filter(|section| of_base(section.kind));
-        let first = |section: &&flb_packer::EncodedSection| matches!(section.kind, KIND_BASE | KIND_AVERAGES);
+        let first = |section: &&EncodedSection| matches!(section.kind, KIND_BASE | KIND_AVERAGES);
         let bases: Vec<u32> = sections.clone().filter(first).map(|section| section.item).collect();
-        let stored = |sections: &mut dyn Iterator<Item = &flb_packer::EncodedSection>| -> u64 {
+        let stored = |sections: &mut dyn Iterator<Item = &EncodedSection>| -> u64 {
             sections.flat_map(|section| &section.pages).map(|page| page.stored.len() as u64).sum()
         };
         let plain_bytes = meta.grid.sites() * meta.band_count() * 4 * bases.len();

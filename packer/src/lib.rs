@@ -33,11 +33,13 @@ pub mod rate;
 pub mod surface;
 mod write;
 
-pub use encode::{
-    CodingPreset, EncodeSettings, EncodedPage, EncodedSection, EncodedSpecies, StoredBlocks, encode_all,
-    encode_species,
-};
+pub use encode::{CodingPreset, EncodeSettings, EncodedSpecies, StoredBlocks, encode_all, encode_species};
 pub use error::PackError;
 pub use flb_files::Existing;
 pub use load::{Copier, copy_species, load_species};
 pub use write::{write_library, write_library_to};
+
+/// Parts of a coded species.
+pub mod sections {
+    pub use crate::encode::{EncodedPage, EncodedSection};
+}

@@ -7,7 +7,8 @@ use flb_format::container::records::*;
 use flb_format::error::Place;
 use flb_format::{Container, FormatError, Source, room};
 
-use crate::{EncodedPage, EncodedSection, EncodedSpecies, PackError, priority};
+use crate::encode::{EncodedPage, EncodedSection};
+use crate::{EncodedSpecies, PackError, priority};
 use flb_format::SpeciesFields;
 
 /// Decodes a species in full.

@@ -9,7 +9,8 @@ use flb_files::{Existing, FileError, publish};
 use flb_format::container::digest::{self, Root};
 use flb_format::container::records::*;
 
-use crate::{EncodedSection, EncodedSpecies, PackError};
+use crate::encode::EncodedSection;
+use crate::{EncodedSpecies, PackError};
 
 /// Writes a library to `path`, whole or not at all; returns its length in bytes.
 ///

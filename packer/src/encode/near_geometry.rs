@@ -16,10 +16,10 @@ use crate::rate::{
     BasePayloads, DetailCoding, Missed, RateSettings, SampledSites, SpeciesPayloads, code_harmonics,
     code_species,
 };
-use crate::{EncodeSettings, EncodedPage, EncodedSection, PackError};
+use crate::{EncodeSettings, PackError};
 use flb_format::SpeciesFields;
 
-use super::{section, store};
+use super::{EncodedPage, EncodedSection, section, store};
 
 /// What [`encode`] makes.
 pub(super) struct Encoded {
