@@ -151,7 +151,7 @@ pub fn found(mesh: &Mesh, rules: &ClassRules) -> Result<Vec<Found>, ImportError>
         Evidence::Foreign(word) => Found::Open(format!("{word} is no word of a plant")),
         Evidence::Both([leaf, wood]) => Found::Open(format!("its name says both '{leaf}' and '{wood}'")),
         Evidence::Card(word, cut) => Found::Open(format!(
-            "'{word}' in its name is of wood, but alpha cuts {:.0} % of it away and what is left is green",
+            "'{word}' in its name is of wood, but alpha cuts {:.0} % of it away and what is left is neither brown nor grey",
             100.0 * cut
         )),
         Evidence::Unsure(word) => Found::Open(format!("'{word}' in its name is not known")),
@@ -203,7 +203,7 @@ enum Evidence {
     Foreign(String),
     /// A leaf word and a wood word.
     Both([String; 2]),
-    /// A wood word, and the share that alpha cuts away of what is green.
+    /// A wood word, and the share that alpha cuts away of what has no colour of bark.
     Card(String, f64),
     Unsure(String),
     Nothing,
@@ -230,7 +230,7 @@ fn by_itself(users: &Users, index: usize, patterns: &Patterns) -> Evidence {
     for (name, place) in own.into_iter().chain([of_image]).flatten() {
         match words::told(name) {
             Told::Class(class, word) => {
-                let cut = (class == MaterialClass::Wood).then(|| cards::cut_of_green(mesh, index)).flatten();
+                let cut = (class == MaterialClass::Wood).then(|| cards::cut_of_leaves(mesh, index)).flatten();
                 return match cut {
                     Some(cut) => Evidence::Card(word, cut),
                     None => decided(class, format!("'{word}' in {place}")),

@@ -1,4 +1,5 @@
-//! Materials that are called wood and look like leaves: green cards of whole twigs, which exporters call branches.
+//! Materials that are called wood and look like leaves: cards of whole twigs, which exporters call branches, cut by
+//! alpha and of a colour that bark has not.
 
 use glam::DVec3;
 
@@ -10,14 +11,16 @@ use crate::texture::{SrgbTable, color};
 
 /// Share of the area that alpha cuts away of such cards, at least.
 const MIN_CUT: f64 = 1.0 / 3.0;
-/// Green over red and over blue, at least, in the mean of what is left.
-const MIN_GREEN: f64 = 1.2;
+/// Linear light that bark throws back of its brightest colour, at most, in the mean of what is left.
+const MAX_BARK: f64 = 0.45;
+/// The most that bark has, as ratios of linear light: green over red, blue over red, blue over green, red over green.
+const MAX_RATIOS: [f64; 4] = [1.1, 1.2, 1.15, 5.0];
 /// Triangles that are looked at, and points of each.
 const LOOKED_AT: usize = 1024;
 const POINTS: u32 = 16;
 
-/// The share that alpha cuts away of a material, where it is much and the rest is green.
-pub(super) fn cut_of_green(mesh: &Mesh, material: usize) -> Option<f64> {
+/// The share that alpha cuts away of a material, where it is much and the rest has no colour of bark.
+pub(super) fn cut_of_leaves(mesh: &Mesh, material: usize) -> Option<f64> {
     let of = &mesh.materials[material];
     if of.alpha_mode == AlphaMode::Opaque {
         return None;
@@ -41,6 +44,14 @@ pub(super) fn cut_of_green(mesh: &Mesh, material: usize) -> Option<f64> {
             }
         }
     }
-    let is_green = sum.y >= MIN_GREEN * sum.x.max(sum.z) && sum.y > 0.0;
-    (is_green && left < (1.0 - MIN_CUT) * all).then(|| 1.0 - left / all)
+    (left > 0.0 && left < (1.0 - MIN_CUT) * all && !is_of_bark(sum / left)).then(|| 1.0 - left / all)
+}
+
+/// Whether a linear colour can be that of bark: grey or brown, and not white. Leaves and blossom are green, bluish,
+/// pink, yellow or of a full red.
+fn is_of_bark(color: DVec3) -> bool {
+    let DVec3 { x: red, y: green, z: blue } = color;
+    let pairs = [[green, red], [blue, red], [blue, green], [red, green]];
+    color.max_element() <= MAX_BARK
+        && pairs.into_iter().zip(MAX_RATIOS).all(|([over, under], most)| over <= most * under)
 }

@@ -196,7 +196,7 @@ fn a_material_of_both_is_open_unless_its_parts_say_more() {
 }
 
 #[test]
-fn green_cards_of_wood_are_open() {
+fn cards_of_wood_without_a_color_of_bark_are_open() {
     let of = |cut: usize, color: [u8; 3]| {
         let mut cards = with_texture(mesh(&["leaves", "branches"]), 1, "a.png", cut, CUT);
         cards.uvs = vec![[0.0, 0.0], [1.0, 0.0], [0.5, 1.0]];
@@ -208,9 +208,26 @@ fn green_cards_of_wood_are_open() {
             .for_each(|texel| texel[..3].copy_from_slice(&color));
         classify(&cards, &ClassRules::default())
     };
-    let error = of(6, [89, 149, 63]).unwrap_err().to_string();
-    assert!(error.contains("'branches' in its name is of wood, but alpha cuts"), "{error}");
-    for (cut, color) in [(6, [89, 70, 63]), (2, [89, 149, 63])] {
+    // Green, olive, a blue spruce, a white and a pink blossom, orange, red and yellow in autumn, a copper beech.
+    let leaves = [
+        [89, 149, 63],
+        [120, 130, 100],
+        [110, 135, 130],
+        [240, 238, 230],
+        [235, 180, 200],
+        [200, 110, 30],
+        [170, 40, 30],
+        [220, 200, 50],
+        [80, 35, 40],
+    ];
+    for color in leaves {
+        let error = of(6, color).unwrap_err().to_string();
+        assert!(error.contains("'branches' in its name is of wood, but alpha cuts"), "{color:?}: {error}");
+    }
+    // Bare twigs: brown, grey, bluish grey, red-brown, black; and green that is hardly cut.
+    let bare =
+        [[89, 70, 63], [150, 145, 140], [130, 132, 135], [120, 60, 40], [0; 3]].map(|color| (6, color));
+    for (cut, color) in bare.into_iter().chain([(2, [89, 149, 63])]) {
         assert_eq!(of(cut, color).unwrap()[1].class, Wood, "{cut} {color:?}");
     }
 }

@@ -17,8 +17,10 @@ const LOOKED_AT: usize = 1024;
 /// How far a second sheet lies at most, as a share of the longest edge and of the least height of a triangle: a leaf
 /// beside a leaf, or the far side of a needle, lies farther.
 const APART: [f64; 2] = [0.06, 0.25];
-/// How far a corner may lie aside of the one that it doubles, as a share of how far it lies before it.
+/// How far a corner may lie aside of the one that it doubles, as a share of how far it lies before it..
 const ASIDE: f64 = 0.5;
+/// ..or, if that is more, of the longest edge and of the least height: a second sheet may be a little smaller or turned.
+const SKEWED: [f64; 2] = [0.08, 0.15];
 /// Gaps at the corners of one triangle differ by no more than this factor.
 const ALIKE: f64 = 1.5;
 /// Least cosine between the normals of two sheets.
@@ -37,6 +39,7 @@ struct Flat {
     normal: DVec3,
     area_m2: f64,
     reach_m: f64,
+    aside_m: f64,
 }
 
 impl Flat {
@@ -46,13 +49,15 @@ impl Flat {
         let cross = (b - a).cross(c - a);
         let longest = a.distance(b).max(b.distance(c)).max(c.distance(a));
         let (twice, normal) = (cross.length(), cross.try_normalize()?);
-        let reach_m = (APART[0] * longest).min(APART[1] * twice / longest);
+        let least = |[of_edge, of_height]: [f64; 2]| (of_edge * longest).min(of_height * twice / longest);
+        let [reach_m, aside_m] = [APART, SKEWED].map(least);
         (reach_m > 0.0 && reach_m.is_finite()).then_some(Flat {
             triangle,
             corners,
             normal,
             area_m2: 0.5 * twice,
             reach_m,
+            aside_m,
         })
     }
 
@@ -60,7 +65,8 @@ impl Flat {
     fn gap(&self, corner: usize, point: DVec3) -> Option<f64> {
         let off = point - self.corners[corner];
         let gap = off.dot(self.normal);
-        let is_near = gap.abs() <= self.reach_m && (off - gap * self.normal).length() <= ASIDE * gap.abs();
+        let aside_m = self.aside_m.max(ASIDE * gap.abs());
+        let is_near = gap.abs() <= self.reach_m && (off - gap * self.normal).length() <= aside_m;
         is_near.then_some(gap)
     }
 }
@@ -153,7 +159,8 @@ struct Near {
 
 impl Near {
     fn of(flats: &[Flat]) -> Near {
-        let cube_m = 2.0 * flats.iter().map(|flat| flat.reach_m).sum::<f64>() / flats.len() as f64;
+        let cube_m =
+            2.0 * flats.iter().map(|flat| flat.reach_m.max(flat.aside_m)).sum::<f64>() / flats.len() as f64;
         // Several times their entries: most leaves find an empty list.
         let places = (flats.len() * 128).next_power_of_two();
         let mut near = Near {
@@ -165,7 +172,7 @@ impl Near {
         };
         for (number, flat) in (0u32..).zip(flats) {
             for (corner, point) in (0u32..).zip(flat.corners) {
-                let reach_m = flat.reach_m * (1.0 + ASIDE);
+                let reach_m = flat.reach_m + flat.aside_m.max(ASIDE * flat.reach_m);
                 let [low, high] = [point - reach_m, point + reach_m].map(|end| near.cube(end));
                 let cubes = high - low + 1;
                 if cubes.x.saturating_mul(cubes.y).saturating_mul(cubes.z) > MAX_CUBES {
@@ -224,6 +231,11 @@ mod tests {
     /// Square leaves of 0.1 m in a plant of 2 m, of which every `one_of`th has a second sheet so far before it, cut
     /// along the other diagonal.
     fn plant(one_of: usize, gap_m: f64) -> ClassedMesh {
+        of_size(one_of, gap_m, 1.0)
+    }
+
+    /// The same with second sheets of another size.
+    fn of_size(one_of: usize, gap_m: f64, size: f64) -> ClassedMesh {
         let mut triangles = Vec::new();
         for number in 0..300usize {
             let place = |step: f64| (number as f64 * step).fract();
@@ -233,13 +245,14 @@ mod tests {
             let corner = |x: f64, y: f64, height: f64| {
                 (middle + turn * DVec3::new(0.1 * x, height, 0.1 * y)).as_vec3().to_array()
             };
-            let square = |height: f64| {
-                [[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 1.0]].map(|[x, y]| corner(x, y, height))
+            let square = |height: f64, size: f64| {
+                let of = |c: f64| 0.5 + size * (c - 0.5);
+                [[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 1.0]].map(|[x, y]| corner(of(x), of(y), height))
             };
-            let [a, b, c, d] = square(0.0);
+            let [a, b, c, d] = square(0.0, 1.0);
             triangles.extend([[a, b, c], [a, c, d]]);
             if number % one_of == 0 {
-                let [a, b, c, d] = square(gap_m);
+                let [a, b, c, d] = square(gap_m, size);
                 triangles.extend([[a, d, b], [b, d, c]]);
             }
         }
@@ -264,6 +277,10 @@ mod tests {
             panic!("a third")
         };
         assert!((sheets_m2 - 2.0).abs() < 0.1, "{sheets_m2}");
+        for size in [0.95, 1.04] {
+            let found = doubt(&of_size(1, 0.001, size), 2.0);
+            assert!(matches!(found, Some(Doubt::SecondSheets { .. })), "{size}: {found:?}");
+        }
         let text = doubt(&plant(1, 0.002), 2.0).map(|doubt| doubt.to_string()).unwrap_or_default();
         assert!(text.contains("of 6 m2 of leaf have a second sheet of the same outline 0.002 m"), "{text}");
     }

@@ -324,6 +324,19 @@ fn levels_of_detail_beside_each_other_are_a_doubt_that_names_them() {
     plant.mesh.parts =
         vec![part(&plant, &["Oak_LOD0"], 0..count), part(&plant, &["Leaves"], count..count + 3)];
     assert_eq!(all_found(&plant, Up::Y), [], "one level alone is no doubt");
+    let clusters = |up: f64| {
+        let mut parts =
+            vec![part(&plant, &["Leaves_Low"], 0..count), part(&plant, &["Leaves_High"], 0..count)];
+        let bounds_m = &mut parts[1].uses[0].bounds_m;
+        [&mut bounds_m.min[1], &mut bounds_m.max[1]].into_iter().for_each(|y| *y += up);
+        parts
+    };
+    let height = plant.mesh.positions.iter().map(|at| f64::from(at[1])).fold(0.0, f64::max);
+    let [same, other] = [clusters(0.0), clusters(0.5 * height)];
+    plant.mesh.parts = other;
+    assert_eq!(all_found(&plant, Up::Y), [], "twigs of one plant, the lower and the higher ones");
+    plant.mesh.parts = same;
+    assert_eq!(levels(&plant), ["Leaves_High", "Leaves_Low"]);
     plant.mesh.parts = vec![part(&plant, &["a"], 0..count), part(&plant, &["b"], 0..count)];
     plant.mesh.parts[1].uses[0].triangles /= 4;
     assert_eq!(levels(&plant), ["a", "b"], "they fill one box");
@@ -357,6 +370,28 @@ fn whole_plants_in_much_the_same_box_are_levels_whatever_their_names() {
     b.uses.iter_mut().for_each(|used| used.triangles /= 4);
     assert!(levels(doubts(&[&a, &b])), "a coarse level with larger leaves");
     assert_eq!(doubts(&[&a, &branch]), []);
+}
+
+#[test]
+fn a_plant_that_was_imported_twice_is_a_doubt_though_each_has_materials_of_its_own() {
+    let [wood, leaves] = tree();
+    let mut plant = plant(&wood, &leaves, |point| point);
+    let count = plant.classes.len() as u32;
+    let whole = |name: &str, first_material: u32| {
+        let mut both = part(&plant, &[name], 0..wood.len());
+        both.uses.extend(part(&plant, &[], wood.len()..wood.len() + leaves.len()).uses);
+        both.uses.iter_mut().for_each(|used| used.material += first_material);
+        both
+    };
+    let parts = vec![whole("Oak", 0), whole("Oak.001", count)];
+    plant.classes.extend_from_within(..);
+    plant.mesh.materials.extend_from_within(..);
+    plant.mesh.parts = parts;
+    let found = all_found(&plant, Up::Y);
+    assert!(
+        matches!(found.as_slice(), [Doubt::Levels { names }] if names == &["Oak", "Oak.001"]),
+        "{found:?}"
+    );
 }
 
 #[test]

@@ -20,6 +20,8 @@ const MIN_SHARE: f64 = 0.05;
 const SAME_BOX: f64 = 0.02;
 /// Boxes of two levels that are a plant each.
 const LIKE_BOX: f64 = 0.15;
+/// Ends of two levels over the ground differ by no more than this, as a share of the height of the higher one.
+const AS_HIGH: f64 = 0.3;
 /// One level has so many times the triangles of the next.
 const FEWER: f64 = 1.5;
 /// Parts that are a plant each are so high at least, as a share of the height of all..
@@ -57,10 +59,10 @@ fn levels(plant: &ClassedMesh, extents: &Extents) -> Option<Doubt> {
         part.uses.iter().any(|used| plant.classes[used.material as usize] != MaterialClass::Neither)
     };
     let parts = || mesh.parts.iter().filter(|part| is_plant(part));
-    let mut by_stem: BTreeMap<String, BTreeMap<String, Vec<String>>> = BTreeMap::new();
+    let mut by_stem: BTreeMap<String, BTreeMap<String, Vec<&Part>>> = BTreeMap::new();
     for part in parts() {
         if let Some((stem, level)) = part.names.iter().find_map(|name| level_of(name)) {
-            by_stem.entry(stem).or_default().entry(level).or_default().push(part.label());
+            by_stem.entry(stem).or_default().entry(level).or_default().push(part);
         }
     }
     // `oak` beside `oak_lod1` is the finest of them.
@@ -68,12 +70,12 @@ fn levels(plant: &ClassedMesh, extents: &Extents) -> Option<Doubt> {
         let own = part.names.iter().map(|name| name.to_lowercase()).find(|name| by_stem.contains_key(name));
         if let Some(stem) = own {
             let levels = by_stem.get_mut(&stem).expect("it was found");
-            levels.entry(String::new()).or_default().push(part.label());
+            levels.entry(String::new()).or_default().push(part);
         }
     }
-    let several = by_stem.into_values().filter(|levels| levels.len() > 1);
-    let mut names: Vec<String> =
-        several.flat_map(|levels| levels.into_values().flatten()).take(LISTED).collect();
+    let several = by_stem.into_values().filter(|levels| levels.len() > 1 && are_levels(levels));
+    let of_stems = several.flat_map(|levels| levels.into_values().flatten());
+    let mut names: Vec<String> = of_stems.map(Part::label).take(LISTED).collect();
     if names.is_empty() {
         let used =
             mesh.materials.iter().zip(&plant.classes).filter(|(_, class)| **class != MaterialClass::Neither);
@@ -97,6 +99,17 @@ fn levels(plant: &ClassedMesh, extents: &Extents) -> Option<Doubt> {
         }
     }
     (!names.is_empty()).then_some(Doubt::Levels { names })
+}
+
+/// Whether parts are levels of one thing: by the number of a level, else by how high they are.
+fn are_levels(by_level: &BTreeMap<String, Vec<&Part>>) -> bool {
+    let is_number = |level: &String| !level.is_empty() && level.bytes().all(|byte| byte.is_ascii_digit());
+    let all: Vec<&Vec<&Part>> = by_level.values().collect();
+    by_level.keys().any(is_number)
+        || all.iter().enumerate().any(|(at, some)| {
+            let others = || all[at + 1..].iter().copied().flatten();
+            some.iter().any(|a| others().any(|b| are_as_high(a, b)))
+        })
 }
 
 /// Words of a level of detail.
@@ -129,7 +142,7 @@ fn fill_the_same_box(a: &Part, b: &Part) -> bool {
     few >= 8.0 && many >= FEWER * few && are_alike(a, b, SAME_BOX)
 }
 
-/// Whether two parts are a plant each, leaves and wood, of the same materials: one box and any numbers of triangles, or
+/// Whether two parts are a plant each, leaves and wood, of whatever materials: one box and any numbers of triangles, or
 /// much the same box and clearly different numbers. Leaves of lower levels are larger, so that their box is, too.
 fn are_both_whole(plant: &ClassedMesh, extents: &Extents, a: &Part, b: &Part) -> bool {
     let is_whole = |part: &Part| {
@@ -138,7 +151,7 @@ fn are_both_whole(plant: &ClassedMesh, extents: &Extents, a: &Part, b: &Part) ->
     };
     let [few, many] = triangles_of_both(a, b);
     let tolerance = if many >= FEWER * few { LIKE_BOX } else { SAME_BOX };
-    is_whole(a) && is_whole(b) && are_alike(a, b, tolerance)
+    is_whole(a) && is_whole(b) && have_one_box(a, b, tolerance)
 }
 
 fn triangles_of_both(a: &Part, b: &Part) -> [f64; 2] {
@@ -153,7 +166,19 @@ fn are_alike(a: &Part, b: &Part, tolerance: f64) -> bool {
         all.sort_unstable();
         all
     };
-    materials(a) == materials(b) && off_by(a.bounds_m(), b.bounds_m()).is_some_and(|off| off <= tolerance)
+    materials(a) == materials(b) && have_one_box(a, b, tolerance)
+}
+
+fn have_one_box(a: &Part, b: &Part, tolerance: f64) -> bool {
+    off_by(a.bounds_m(), b.bounds_m()).is_some_and(|off| off <= tolerance)
+}
+
+/// Whether two parts are as high above the ground, and as high themselves, up to a share of the higher one's height.
+/// Levels of detail may stand beside each other; twigs of a plant that are called low and high do not.
+fn are_as_high(a: &Part, b: &Part) -> bool {
+    let Some((a, b)) = a.bounds_m().zip(b.bounds_m()) else { return false };
+    let height = (a.max[1] - a.min[1]).max(b.max[1] - b.min[1]);
+    (a.min[1] - b.min[1]).abs().max((a.max[1] - b.max[1]).abs()) <= AS_HIGH * height
 }
 
 /// How far two boxes differ, as a share of the longest edge of the first.

@@ -18,8 +18,9 @@ const LOOKED_AT: usize = 4096;
 /// The search begins where more than one of so many is found.
 const WORTH_ONE_OF: usize = 200;
 
-/// Triangles at a corner of a closed shell, at least.
-const AROUND: u8 = 3;
+/// Triangles at every corner of a triangle of a closed shell, at least, and at one of them: the foot of a spike may be
+/// open.
+const AROUND: [u8; 2] = [2, 3];
 
 /// Points of a triangle at which others are looked for, as weights of the second and third vertex.
 const POINTS: [[f64; 2]; 4] = [[1.0 / 3.0, 1.0 / 3.0], [0.1, 0.15], [0.75, 0.1], [0.1, 0.75]];
@@ -68,8 +69,11 @@ fn surrounded(mesh: &Mesh, leaves: &[u32], some: &[u32], hashes: &[u64]) -> usiz
             around[place] = around[place].saturating_add(1);
         }
     }
-    let is_surrounded =
-        |triangle: &&u32| corners(**triangle).iter().all(|&vertex| around[place(vertex)] >= AROUND);
+    let is_surrounded = |triangle: &&u32| {
+        let counts = corners(**triangle).map(|vertex| around[place(vertex)]);
+        let [every, one] = AROUND;
+        counts.iter().all(|&count| count >= every) && counts.iter().any(|&count| count >= one)
+    };
     some.iter().filter(is_surrounded).count()
 }
 

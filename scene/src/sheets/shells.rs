@@ -15,9 +15,9 @@ use super::{corners, set};
 use crate::Mesh;
 use crate::mesh::sides::{Sheets, Side};
 
-/// Least triangles per point of a part that may be closed: closed ones have two nearly, a tube without ends one at
-/// least, a card half of one.
-const TRIANGLES_PER_POINT: usize = 1;
+/// So many triangles less than points has a part that may be closed, at most: a spike without a foot has one less. Closed
+/// ones have nearly twice as many as points, a tube without ends as many, a card half.
+const FEWER_TRIANGLES: u32 = 1;
 
 /// Area of all holes, as a share of the area, up to which a piece is closed.
 const HOLES: f64 = 0.1;
@@ -109,7 +109,7 @@ fn closed_parts(points: &[[u32; 3]], count: usize) -> Vec<u32> {
     points.iter().for_each(|corners| sizes[union.root(corners[0]) as usize][1] += 1);
     let may_be_closed = |corners: &[u32; 3], union: &mut Union| {
         let [of_points, of_triangles] = sizes[union.root(corners[0]) as usize];
-        of_triangles as usize >= TRIANGLES_PER_POINT * of_points as usize
+        of_triangles + FEWER_TRIANGLES >= of_points
     };
     (0u32..)
         .zip(points)

@@ -289,6 +289,26 @@ fn needles_that_are_tubes_are_leaves_of_half_their_area() {
 }
 
 #[test]
+fn needles_that_are_spikes_without_a_foot_are_leaves_of_half_their_area() {
+    for (sides, count) in [(3, 60), (5, 60), (8, 1000)] {
+        let mut all = Vec::new();
+        for &[at, along, across] in &leaves(count) {
+            let (x, y) = (across.normalize() * 1e-3, along.cross(across).normalize() * 1e-3);
+            let corner = |side: u32| {
+                let (sin, cos) = libm::sincosf(std::f32::consts::TAU * (side % sides) as f32 / sides as f32);
+                (at + x * cos + y * sin).to_array()
+            };
+            all.extend((0..sides).map(|side| [(at + along).to_array(), corner(side), corner(side + 1)]));
+        }
+        let mut plant = mesh(&all);
+        let area_m2 = counted_m2(&plant, &CLASSES, Leaf);
+        find(&mut plant, &CLASSES);
+        assert_eq!(plant.sheets.shells.triangles as usize, plant.triangles.len(), "{sides}");
+        assert!((counted_m2(&plant, &CLASSES, Leaf) / area_m2 - 0.5).abs() < 1e-9, "{sides}");
+    }
+}
+
+#[test]
 fn a_blade_with_a_thickness_is_one_leaf() {
     let mut triangles = Vec::new();
     for &[at, along, across] in &leaves(60) {

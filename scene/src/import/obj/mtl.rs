@@ -9,6 +9,9 @@ use crate::import::known::obj as known;
 use crate::import::limits;
 use crate::mesh::Wrap;
 
+/// Opacities by `d` and by `Tr` that differ by no more are one.
+const SAME_OPACITY: f32 = 1e-3;
+
 /// One `newmtl`.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct Mtl {
@@ -18,6 +21,8 @@ pub(super) struct Mtl {
     pub diffuse: Option<[f32; 3]>,
     /// `d`, or 1 - `Tr`.
     pub opacity: f32,
+    /// Opacity by `d` and by `Tr`, each with the line that says it.
+    pub stated: [Option<(f32, u64)>; 2],
     /// `map_Kd`.
     pub color_map: Option<Map>,
     /// `map_Ka`, which counts where there is no `map_Kd`.
@@ -78,7 +83,15 @@ fn parse_line(
         files.limit("materials", materials.len() as u64 + 1, limits::MATERIALS)?;
         let name = files.name("newmtl", rest)?;
         let (diffuse, color_map, ambient_map, alpha_map) = (None, None, None, None);
-        materials.push(Mtl { name, diffuse, opacity: 1.0, color_map, ambient_map, alpha_map });
+        materials.push(Mtl {
+            name,
+            diffuse,
+            opacity: 1.0,
+            stated: [None; 2],
+            color_map,
+            ambient_map,
+            alpha_map,
+        });
         return Ok(());
     }
     let Some(material) = materials.last_mut() else { return Ok(()) };
@@ -92,8 +105,12 @@ fn parse_line(
             }
         }
         "d" | "tr" => match number() {
-            Some(opacity) if keyword.eq_ignore_ascii_case("d") => material.opacity = opacity,
-            Some(transparency) => material.opacity = 1.0 - transparency,
+            Some(found) => {
+                let is_d = keyword.eq_ignore_ascii_case("d");
+                let opacity = if is_d { found } else { 1.0 - found };
+                material.stated[usize::from(!is_d)] = Some((opacity, place.number));
+                material.opacity = opacity_of(files, place.file, material.stated);
+            }
             None => warn_of_value(files, place, keyword, rest, "a number; the material stays without it"),
         },
         "map_kd" => material.color_map = read_map(files, place, keyword, rest),
@@ -106,6 +123,20 @@ fn parse_line(
         }
     }
     Ok(())
+}
+
+/// The opacity of a material that says it by `d`, by `Tr` or by both. Some exporters write the same number for both,
+/// and mean `d`.
+fn opacity_of(files: &mut Files, file: &str, stated: [Option<(f32, u64)>; 2]) -> f32 {
+    if let [Some((by_d, line_of_d)), Some((by_tr, line_of_tr))] = stated
+        && (by_d - by_tr).abs() > SAME_OPACITY
+    {
+        files.warn(format!(
+            "{}: d in line {line_of_d} says an opacity of {by_d}, Tr in line {line_of_tr} one of {by_tr}: d is taken",
+            quoted(file)
+        ));
+    }
+    stated.into_iter().flatten().next().map_or(1.0, |(opacity, _)| opacity)
 }
 
 /// A statement whose value is of a form that is not read: another way to write a colour (`spectral`, `xyz`), or what

@@ -207,6 +207,8 @@ fn values_of_a_form_that_is_not_read_are_told_with_their_line() {
         ("Kd -0.1 0.3 0.1", "'leaves' has the colour -0.1 0.3 0.1"),
         ("d 0,5", "line 2 of a.mtl, d: found '0,5', expected a number"),
         ("Tr", "Tr: found ''"),
+        ("d 0.4\nTr 0.4", "a.mtl: d in line 2 says an opacity of 0.4, Tr in line 3 one of 0.6: d is taken"),
+        ("Tr 1\nd 1", "Tr in line 2 one of 0: d is taken"),
         ("map_Kd -mm 0.0 0.2 a.png", "-mm of map_Kd (a.mtl) is not read"),
         ("map_Kd -t 0.5 0.5 0.5 a.png", "-t of map_Kd (a.mtl) is not read"),
         ("map_Kd -imfchan g a.png", "-imfchan of map_Kd (a.mtl) is not read"),
@@ -217,9 +219,14 @@ fn values_of_a_form_that_is_not_read_are_told_with_their_line() {
     for (statement, words) in cases {
         assert!(told(statement).contains(words), "{statement}: {}", told(statement));
     }
-    for fine in
-        ["Kd 0.1 0.3 0.05 # green", "Kd 0.5", "d 0.5", "d -halo 0.5", "Kd 0 0 0\nmap_d -mm 0 1 -t 0 0 a.png"]
-    {
+    for fine in [
+        "Kd 0.1 0.3 0.05 # green",
+        "Kd 0.5",
+        "d 0.5",
+        "d 0.7\nTr 0.3",
+        "d -halo 0.5",
+        "Kd 0 0 0\nmap_d -mm 0 1 -t 0 0 a.png",
+    ] {
         let told = told(fine);
         assert!(!told.contains("expected") && !told.contains("is not read"), "{fine}: {told}");
     }
