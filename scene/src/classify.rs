@@ -8,7 +8,8 @@
 //!
 //! A name that ends in a noun of something that is no plant (`flower_pot`) ends the search: neither alpha nor the rest
 //! of the plant tells what a pot is. So does a part that is none of the plant's, as `UCX_trunk`, whatever material it
-//! wears; a name of both a leaf and a trunk; and green cards, cut by alpha, whose name is one of wood.
+//! wears; a name of both a leaf and a trunk; and cards, cut by alpha and neither brown nor
+//! grey, whose name is one of wood.
 //!
 //! Whatever is still open is an error that shows the materials and the flags, never a guess. Neither is what the user
 //! says is neither: a pot or the ground shades the plant, so it is not left out unasked.

@@ -19,7 +19,7 @@ const LOOKED_AT: usize = 1024;
 const APART: [f64; 2] = [0.06, 0.25];
 /// How far a corner may lie aside of the one that it doubles, as a share of how far it lies before it..
 const ASIDE: f64 = 0.5;
-/// ..or, if that is more, of the longest edge and of the least height: a second sheet may be a little smaller or turned.
+/// ..or, if that is more, of the longest edge and of the least height: second sheets may be a little smaller or turned.
 const SKEWED: [f64; 2] = [0.08, 0.15];
 /// Gaps at the corners of one triangle differ by no more than this factor.
 const ALIKE: f64 = 1.5;

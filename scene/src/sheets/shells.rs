@@ -15,8 +15,8 @@ use super::{corners, set};
 use crate::Mesh;
 use crate::mesh::sides::{Sheets, Side};
 
-/// So many triangles less than points has a part that may be closed, at most: a spike without a foot has one less. Closed
-/// ones have nearly twice as many as points, a tube without ends as many, a card half.
+/// So many triangles less than points has a part that may be closed, at most: a spike without a foot has one less.
+/// Closed ones have nearly twice as many as points, a tube without ends as many, a card half.
 const FEWER_TRIANGLES: u32 = 1;
 
 /// Area of all holes, as a share of the area, up to which a piece is closed.
