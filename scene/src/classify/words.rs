@@ -303,6 +303,10 @@ mod tests {
             "plant_pot_wood",
             "floor_wood",
             "Bark_Chips",
+            "Porcelain",
+            "Blumenkasten",
+            "Wicker_01",
+            "花盆",
         ];
         for name in foreign {
             assert!(matches!(told(name), Told::Foreign(_)), "{name}: {:?}", told(name));

@@ -39,18 +39,21 @@ pub(super) const FOREIGN: &str = "
     soil dirt mud earth terrain land sand gravel pebble pebbles mulch litter snow water rock rocks stone stones
     boulder cliff chip chips wall walls fence floor roof pavement path road street brick bricks concrete cement tile tiles
     metal iron steel plastic glass ceramic terracotta clay plinth pedestal stand table bench house building
+    porcelain stoneware earthenware wicker saucer hangpot cachepot windowbox flowerbox compost substrate peat perlite
     helper dummy sky
+    porzellan steingut kasten blumenkasten untersetzer kompost torf
     topf blumentopf kübel kuebel vasen boden erde erdreich stein steine fels felsen mauer wand zaun kies beton
     ziegel beet
     sol terre mur murs roche rocher pierre bac jardinière jardiniere vaso terra terreno suolo muro roccia pietra
     maceta tiesto suelo tierra roca piedra solo chão rocha pedra
     bloempot grond muur rots steen kruka jord mark sten doniczka ziemia skała skala kamień kamien květináč
     kvetinac země zeme zeď zed skála kámen
+    花盆 盆 鉢 植木鉢 土 土壤 泥土 地面 石 岩石 墙
 ";
 
 /// Nouns of [`FOREIGN`] that count at the end of a longer part: `Blumentopf`, `gardenwall`.
 pub(super) const FOREIGN_WITHIN: &str = "
-    topf flowerpot plantpot planter ground boden stein stone wall mauer fence pflaster
+    topf kasten flowerpot plantpot planter ground boden stein stone wall mauer fence pflaster
 ";
 
 /// Words of what engines keep beside a plant, wherever they stand in a name: shapes for collisions and for hiding, and
