@@ -4,7 +4,7 @@
 //!    the exact name first, then leaf, wood, ignore), 3. words ([`words`]) in the material's name, then in
 //!    its texture's, then in the names of its parts (nodes, meshes, groups), 4. diffuse transmission is
 //!    leaf, and a texture of it that lets nothing through is wood, 5. a texture whose alpha really cuts is
-//!    leaf, 6. if all that is decided so far is leaf, an opaque rest is wood.
+//!    leaf, 6. if all that is decided so far is leaf, an opaque rest that is not green is wood.
 //!
 //! A name that ends in a noun of something that is no plant (`flower_pot`) ends the search: neither alpha nor the rest
 //! of the plant tells what a pot is. So does a part that is none of the plant's, as `UCX_trunk`, whatever material it
@@ -146,7 +146,7 @@ pub fn found(mesh: &Mesh, rules: &ClassRules) -> Result<Vec<Found>, ImportError>
         })
     };
     let all_leaf = known().next().is_some() && known().all(|class| class == MaterialClass::Leaf);
-    let resolved = evidence.iter().zip(&mesh.materials).map(|(evidence, material)| match evidence {
+    let resolved = evidence.iter().zip(&mesh.materials).enumerate().map(|(index, (evidence, material))| match evidence {
         Evidence::Unused => Found::Unused,
         Evidence::Class(known) => Found::Class(known.clone()),
         Evidence::Foreign(word) => Found::Open(format!("{word} is no word of a plant")),
@@ -157,6 +157,9 @@ pub fn found(mesh: &Mesh, rules: &ClassRules) -> Result<Vec<Found>, ImportError>
         )),
         Evidence::Unsure(word) => Found::Open(format!("'{word}' in its name is not known")),
         Evidence::Nothing if all_leaf && material.alpha_mode == AlphaMode::Opaque => {
+            if cards::is_green(mesh, index) {
+                return Found::Open("opaque as wood is, but green as leaves are".to_owned());
+            }
             let rule = "opaque, and the rest of the plant is leaf: taken as wood".to_owned();
             Found::Class(Classified { class: MaterialClass::Wood, rule })
         }

@@ -196,6 +196,20 @@ fn a_material_of_both_is_open_unless_its_parts_say_more() {
 }
 
 #[test]
+fn an_opaque_rest_is_wood_unless_it_is_green() {
+    let of = |color: [f32; 3]| {
+        let mut plant = mesh(&["leaf_small", "Monstera"]);
+        plant.materials[1].base_color = [color[0], color[1], color[2], 1.0];
+        classify(&plant, &ClassRules::default())
+    };
+    for color in [[0.8; 3], [0.25, 0.15, 0.08], [0.1, 0.11, 0.06]] {
+        assert_eq!(of(color).unwrap()[1].class, Wood, "{color:?}");
+    }
+    let error = of([0.08, 0.3, 0.04]).unwrap_err().to_string();
+    assert!(error.contains("opaque as wood is, but green as leaves are"), "{error}");
+}
+
+#[test]
 fn cards_of_wood_without_a_color_of_bark_are_open() {
     let of = |cut: usize, color: [u8; 3]| {
         let mut cards = with_texture(mesh(&["leaves", "branches"]), 1, "a.png", cut, CUT);
