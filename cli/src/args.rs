@@ -189,8 +189,8 @@ pub(crate) struct MeshArgs {
     /// a node's number; may be repeated) [default: the species file's, else all that the file shows]
     #[arg(long, value_name = "PATTERN")]
     pub node: Vec<String>,
-    /// Take all vertices for white and opaque. Else their colours (COLOR_0, `v x y z r g b`) multiply the material's.
-    /// In many exports they are data, such as wind [default: the species file's]
+    /// Take all vertices for white and opaque. Without this flag, their colours (COLOR_0, `v x y z r g b`) multiply
+    /// the material's. In many exports such colours are data, as of wind [default: the species file's]
     #[arg(long, visible_alias = "ignore-vertex-colors")]
     pub ignore_vertex_colours: bool,
     /// Where the colour of leaves comes from: their texture (or base colour), which is what they reflect, or measured

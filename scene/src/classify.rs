@@ -8,8 +8,8 @@
 //!
 //! A name that ends in a noun of something that is no plant (`flower_pot`) ends the search: neither alpha nor the rest
 //! of the plant tells what a pot is. So does a part that is none of the plant's, as `UCX_trunk`, whatever material it
-//! wears; a name of both a leaf and a trunk; and cards, cut by alpha and neither brown nor
-//! grey, whose name is one of wood.
+//! wears; a name of both a leaf and a trunk; and cards, cut by alpha and neither brown nor grey, whose name is one of
+//! wood.
 //!
 //! Whatever is still open is an error that shows the materials and the flags, never a guess. Neither is what the user
 //! says is neither: a pot or the ground shades the plant, so it is not left out unasked.
@@ -24,7 +24,7 @@ use crate::class::MaterialClass;
 use crate::import::{
     ImportError, Things, cut_share, is_met_by, quoted, splits, told_of_material, told_of_part,
 };
-use crate::mesh::{AlphaMode, Mesh, Part};
+use crate::mesh::{AlphaMode, Material, Mesh, Part};
 use crate::name_pattern::NamePattern;
 
 /// Share of a texture's texels that must be cut away for it to count as leaf evidence: less than
@@ -146,7 +146,12 @@ pub fn found(mesh: &Mesh, rules: &ClassRules) -> Result<Vec<Found>, ImportError>
         })
     };
     let all_leaf = known().next().is_some() && known().all(|class| class == MaterialClass::Leaf);
-    let resolved = evidence.iter().zip(&mesh.materials).enumerate().map(|(index, (evidence, material))| match evidence {
+    let is_rest = |(evidence, material): (&Evidence, &Material)| {
+        all_leaf && matches!(evidence, Evidence::Nothing) && material.alpha_mode == AlphaMode::Opaque
+    };
+    let rests: Vec<bool> = evidence.iter().zip(&mesh.materials).map(is_rest).collect();
+    let green = cards::are_green(mesh, &rests);
+    let resolved = evidence.iter().zip(rests).zip(green).map(|((evidence, is_rest), is_green)| match evidence {
         Evidence::Unused => Found::Unused,
         Evidence::Class(known) => Found::Class(known.clone()),
         Evidence::Foreign(word) => Found::Open(format!("{word} is no word of a plant")),
@@ -156,10 +161,10 @@ pub fn found(mesh: &Mesh, rules: &ClassRules) -> Result<Vec<Found>, ImportError>
             100.0 * cut
         )),
         Evidence::Unsure(word) => Found::Open(format!("'{word}' in its name is not known")),
-        Evidence::Nothing if all_leaf && material.alpha_mode == AlphaMode::Opaque => {
-            if cards::is_green(mesh, index) {
-                return Found::Open("opaque as wood is, but green as leaves are".to_owned());
-            }
+        Evidence::Nothing if is_green => {
+            Found::Open("opaque as wood is, but green as leaves are".to_owned())
+        }
+        Evidence::Nothing if is_rest => {
             let rule = "opaque, and the rest of the plant is leaf: taken as wood".to_owned();
             Found::Class(Classified { class: MaterialClass::Wood, rule })
         }

@@ -374,11 +374,11 @@ impl Baking<'_> {
     /// The matter of a species alone, as open as the plant is: measured or taken from the store. It stays as it is when
     /// plants of the scene move.
     fn crown(&self, plant: &ScenePlant, scenery: &Scenery, species: usize) -> Result<Crown, BakeError> {
-        let coarse = self.merge(&plant.name, || Ok(scenery.coarse(species)?))?;
-        let grid = coarse.grid;
-        let key =
-            Key::new("alone").with("plant", json!(plant.digest)).with("coarse", hex(matter_digest(&coarse)));
         self.merge(&plant.name, || {
+            let coarse = scenery.coarse(species)?;
+            let grid = coarse.grid;
+            let digest = hex(matter_digest(&coarse));
+            let key = Key::new("alone").with("plant", json!(plant.digest)).with("coarse", digest);
             let make = || Ok(scenery.as_open(species, coarse));
             let check = |crown: &Crown| store::fits("grid", &crown.turbid.grid, &grid);
             store::reuse_or_make(&self.work(&plant.name), Step::Merge, &key, check, make)

@@ -1,9 +1,10 @@
 //! Materials that are called wood and look like leaves: cards of whole twigs, which exporters call branches, cut by
-//! alpha and of a colour that bark has not. And materials of which nothing is called anything, and that are green.
+//! alpha and of a colour that bark has not. And what is green, though nothing else says that it is leaf.
 
-use glam::DVec3;
+use glam::{DVec3, Vec3};
 
 use crate::alpha::Coverage;
+use crate::color::mean_colors;
 use crate::mesh::{AlphaMode, Mesh};
 use crate::rays::{points, uv};
 use crate::sampling::on_triangle;
@@ -16,7 +17,7 @@ const MAX_BARK: f64 = 0.45;
 /// The most that bark has, as ratios of linear light: green over red, blue over red, blue over green, red over green.
 const MAX_RATIOS: [f64; 4] = [1.1, 1.2, 1.15, 5.0];
 /// Green over red and over blue, at least, of what is green.
-const MIN_GREEN: f64 = 1.2;
+const MIN_GREEN: f32 = 1.2;
 /// Triangles that are looked at, and points of each.
 const LOOKED_AT: usize = 1024;
 const POINTS: u32 = 16;
@@ -28,27 +29,6 @@ pub(super) fn cut_of_leaves(mesh: &Mesh, material: usize) -> Option<f64> {
         return None;
     }
     let coverage = Coverage::of(mesh, material).ok().filter(|coverage| *coverage != Coverage::Full)?;
-    let Seen { all, left, sum } = seen(mesh, material, &coverage);
-    (left > 0.0 && left < (1.0 - MIN_CUT) * all && !is_of_bark(sum / left)).then(|| 1.0 - left / all)
-}
-
-/// Whether an opaque material is green in the mean.
-pub(super) fn is_green(mesh: &Mesh, material: usize) -> bool {
-    let sum = seen(mesh, material, &Coverage::Full).sum;
-    sum.y > 0.0 && sum.y >= MIN_GREEN * sum.x.max(sum.z)
-}
-
-/// Sums over points of a material, in twice their area.
-struct Seen {
-    all: f64,
-    /// Of what alpha leaves.
-    left: f64,
-    /// Linear colour of that.
-    sum: DVec3,
-}
-
-fn seen(mesh: &Mesh, material: usize, coverage: &Coverage) -> Seen {
-    let of = &mesh.materials[material];
     let is_its = |triangle: &usize| mesh.triangle_material[*triangle] as usize == material;
     let triangles: Vec<usize> = (0..mesh.triangles.len()).filter(is_its).collect();
     let table = SrgbTable::new();
@@ -67,7 +47,18 @@ fn seen(mesh: &Mesh, material: usize, coverage: &Coverage) -> Seen {
             }
         }
     }
-    Seen { all, left, sum }
+    (left > 0.0 && left < (1.0 - MIN_CUT) * all && !is_of_bark(sum / left)).then(|| 1.0 - left / all)
+}
+
+/// Per material, whether it is `asked` for and green in the mean, alpha left aside.
+pub(super) fn are_green(mesh: &Mesh, asked: &[bool]) -> Vec<bool> {
+    if !asked.contains(&true) {
+        return vec![false; asked.len()];
+    }
+    let seen = |&is_asked: &bool| if is_asked { Coverage::Full } else { Coverage::Nothing };
+    let colors = mean_colors(mesh, &asked.iter().map(seen).collect::<Vec<_>>());
+    let is_green = |color: Vec3| color.y > 0.0 && color.y >= MIN_GREEN * color.x.max(color.z);
+    asked.iter().zip(colors).map(|(&is_asked, color)| is_asked && is_green(color)).collect()
 }
 
 /// Whether a linear colour can be that of bark: grey or brown, and not white. Leaves and blossom are green, bluish,

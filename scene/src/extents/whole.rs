@@ -7,7 +7,7 @@ use flb_format::meta::Bounds;
 
 use super::{Doubt, Extents, alpha, card, number, painted};
 use crate::import::area;
-use crate::mesh::Part;
+use crate::mesh::{Part, around};
 use crate::{ClassedMesh, MaterialClass};
 
 /// Cells along the longer edge of the plant's ground plan.
@@ -104,12 +104,10 @@ fn levels(plant: &ClassedMesh, extents: &Extents) -> Option<Doubt> {
 /// Whether parts are levels of one thing: by the number of a level, else by how high they are.
 fn are_levels(by_level: &BTreeMap<String, Vec<&Part>>) -> bool {
     let is_number = |level: &String| !level.is_empty() && level.bytes().all(|byte| byte.is_ascii_digit());
-    let all: Vec<&Vec<&Part>> = by_level.values().collect();
-    by_level.keys().any(is_number)
-        || all.iter().enumerate().any(|(at, some)| {
-            let others = || all[at + 1..].iter().copied().flatten();
-            some.iter().any(|a| others().any(|b| are_as_high(a, b)))
-        })
+    let box_of = |level: &Vec<&Part>| level.iter().filter_map(|part| part.bounds_m()).reduce(around);
+    let boxes: Vec<Bounds> = by_level.values().filter_map(box_of).collect();
+    let is_level = |(at, a): (usize, &Bounds)| boxes[at + 1..].iter().any(|b| are_as_high(a, b));
+    by_level.keys().any(is_number) || boxes.iter().enumerate().any(is_level)
 }
 
 /// Words of a level of detail.
@@ -173,10 +171,9 @@ fn have_one_box(a: &Part, b: &Part, tolerance: f64) -> bool {
     off_by(a.bounds_m(), b.bounds_m()).is_some_and(|off| off <= tolerance)
 }
 
-/// Whether two parts are as high above the ground, and as high themselves, up to a share of the higher one's height.
-/// Levels of detail may stand beside each other; twigs of a plant that are called low and high do not.
-fn are_as_high(a: &Part, b: &Part) -> bool {
-    let Some((a, b)) = a.bounds_m().zip(b.bounds_m()) else { return false };
+/// Whether two boxes begin and end at the same heights, up to a share of the higher one's height. Levels of detail may
+/// stand beside each other; twigs that are called low and high are one above the other.
+fn are_as_high(a: &Bounds, b: &Bounds) -> bool {
     let height = (a.max[1] - a.min[1]).max(b.max[1] - b.min[1]);
     (a.min[1] - b.min[1]).abs().max((a.max[1] - b.max[1]).abs()) <= AS_HIGH * height
 }

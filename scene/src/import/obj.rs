@@ -109,16 +109,16 @@ fn material(
     if let Some([r, g, b]) = mtl.diffuse.filter(multiplies) {
         material.base_color = [r, g, b, 1.0];
     }
-    if alpha.is_some() && mtl.opacity > 0.0 && mtl.opacity < 1.0 {
+    if alpha.is_some() && mtl.opacity() > 0.0 && mtl.opacity() < 1.0 {
         files.warn(format!(
             "{place} has an image of what is there (map_d): its d or Tr, {}, is not used",
-            mtl.opacity
+            mtl.opacity()
         ));
     }
-    if mtl.opacity < 1.0 && alpha.is_none() {
-        match mtl.opacity > 0.0 {
+    if mtl.opacity() < 1.0 && alpha.is_none() {
+        match mtl.opacity() > 0.0 {
             true => {
-                material.base_color[3] = mtl.opacity;
+                material.base_color[3] = mtl.opacity();
                 material.alpha_mode = AlphaMode::Blend;
             }
             false => files

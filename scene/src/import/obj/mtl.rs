@@ -19,16 +19,21 @@ pub(super) struct Mtl {
     pub name: String,
     /// `Kd`, linear.
     pub diffuse: Option<[f32; 3]>,
-    /// `d`, or 1 - `Tr`.
-    pub opacity: f32,
-    /// Opacity by `d` and by `Tr`, each with the line that says it.
-    pub stated: [Option<(f32, u64)>; 2],
+    /// Opacity by `d` and by `Tr`, which is 1 less it, each with the line that says it.
+    pub opacities: [Option<(f32, u64)>; 2],
     /// `map_Kd`.
     pub color_map: Option<Map>,
     /// `map_Ka`, which counts where there is no `map_Kd`.
     pub ambient_map: Option<Map>,
     /// `map_d`, also written `map_opacity`, `map_Tr`.
     pub alpha_map: Option<Map>,
+}
+
+impl Mtl {
+    /// Opacity by `d`, else by `Tr`, else 1.
+    pub(super) fn opacity(&self) -> f32 {
+        self.opacities.into_iter().flatten().next().map_or(1.0, |(opacity, _)| opacity)
+    }
 }
 
 /// A texture statement.
@@ -83,15 +88,7 @@ fn parse_line(
         files.limit("materials", materials.len() as u64 + 1, limits::MATERIALS)?;
         let name = files.name("newmtl", rest)?;
         let (diffuse, color_map, ambient_map, alpha_map) = (None, None, None, None);
-        materials.push(Mtl {
-            name,
-            diffuse,
-            opacity: 1.0,
-            stated: [None; 2],
-            color_map,
-            ambient_map,
-            alpha_map,
-        });
+        materials.push(Mtl { name, diffuse, opacities: [None; 2], color_map, ambient_map, alpha_map });
         return Ok(());
     }
     let Some(material) = materials.last_mut() else { return Ok(()) };
@@ -108,8 +105,8 @@ fn parse_line(
             Some(found) => {
                 let is_d = keyword.eq_ignore_ascii_case("d");
                 let opacity = if is_d { found } else { 1.0 - found };
-                material.stated[usize::from(!is_d)] = Some((opacity, place.number));
-                material.opacity = opacity_of(files, place.file, material.stated);
+                material.opacities[usize::from(!is_d)] = Some((opacity, place.number));
+                warn_of_contradiction(files, place.file, material.opacities);
             }
             None => warn_of_value(files, place, keyword, rest, "a number; the material stays without it"),
         },
@@ -125,10 +122,9 @@ fn parse_line(
     Ok(())
 }
 
-/// The opacity of a material that says it by `d`, by `Tr` or by both. Some exporters write the same number for both,
-/// and mean `d`.
-fn opacity_of(files: &mut Files, file: &str, stated: [Option<(f32, u64)>; 2]) -> f32 {
-    if let [Some((by_d, line_of_d)), Some((by_tr, line_of_tr))] = stated
+/// An opacity by `d` and another by `Tr`. Some exporters write the same number for both, and mean `d`.
+fn warn_of_contradiction(files: &mut Files, file: &str, opacities: [Option<(f32, u64)>; 2]) {
+    if let [Some((by_d, line_of_d)), Some((by_tr, line_of_tr))] = opacities
         && (by_d - by_tr).abs() > SAME_OPACITY
     {
         files.warn(format!(
@@ -136,7 +132,6 @@ fn opacity_of(files: &mut Files, file: &str, stated: [Option<(f32, u64)>; 2]) ->
             quoted(file)
         ));
     }
-    stated.into_iter().flatten().next().map_or(1.0, |(opacity, _)| opacity)
 }
 
 /// A statement whose value is of a form that is not read: another way to write a colour (`spectral`, `xyz`), or what
