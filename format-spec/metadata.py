@@ -61,7 +61,8 @@ POINT = [real(-1e9, 1e9)] * 3
 CLASS, SHARE, ERROR = {"sigma_a": real(0, 1), "g": real(-1, 1)}, real(0, 1), real(0, float("inf"))
 COUNT = lambda value: type(value) is int and value >= 0
 COUNT_32 = lambda value: COUNT(value) and value < 1 << 32
-SUNS = ['{"kind":"lattice18"}'] + ['{"degree":%d,"kind":"harmonics","reaches":%s}' % (d, s) for d in (1, 2, 3) for s in ("[1,3,8]", '[8],"single":true')]
+LEANING = ("", ',"leaning":true')
+SUNS = ['{"kind":"lattice18"}'] + ['{"degree":%d,"kind":"harmonics"%s,"reaches":%s}' % (d, l, s) for d in (1, 2, 3) for l in LEANING for s in ("[1,3,8]", '[8],"single":true')]
 def total(values):
     result = 0.0
     for value in values:  # sum() may compensate
@@ -142,6 +143,9 @@ def check_metadata(meta):
     need(1 <= len(names) == len(bands_of(meta)) <= 64, 5003, "metadata: number or names of bands")
     sums = [sum(surface["leaf"].values()) for surface in meta.get("surfaces", [])]
     need(all(s <= 1 for s in sums), 5003, "metadata.surfaces: reflectance + transmittance")
+    light = meta.get("light", {"suns": {}})
+    leans = "leaning" not in light["suns"] or light["leaf_angles"] != "spherical" and light["field"] == "scattered"
+    need(leans, 5003, "metadata.light.suns.leaning: of light that does not lean")
     need(count["leaf"] + count["wood"] <= count["total"], 5003, "metadata.triangles.total")
     need("mesh_blake3" not in meta or is_digest(meta["mesh_blake3"]), 5003, "metadata.mesh_blake3")
     if "mean_light" in meta:

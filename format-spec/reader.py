@@ -118,7 +118,7 @@ class File:
         need(major in (0, 1), 1003, f"header: version {major}.{minor}")
         need(size == 128, 1006, f"header: size {size}")
         need(xxh3(data[:120]) == digest, 1005, "header: digest")
-        need(self.required & ~(7 if self.draft else 15) == 0, 1004, f"header: required features {self.required:#x}")
+        need(self.required & ~(7 if self.draft else 31) == 0, 1004, f"header: required features {self.required:#x}")
         need(reserved_60 == 0 and reserved_112 == 0, 1007, "header: reserved field")
         need(length == len(data), 1008, f"header: file length {length}, it has {len(data)}")
         need(contents == 128 and count > 0, 2001, "header: offset or number of sections")
@@ -204,6 +204,8 @@ class File:
             need(len(owner[3] | owner[6]) >= least, 2008, f"species {i}: bases")
         physical = any("light" in owner["meta"] for owner in self.species)
         need(self.required >> 1 & 1 == physical, 1010, "header: feature bit 1")
+        leaning = any("light" in owner["meta"] and "leaning" in owner["meta"]["light"]["suns"] for owner in self.species)
+        need(self.required >> 4 & 1 == leaning, 1010, "header: feature bit 4")
         for owner in self.species:
             check_materials(owner["meta"])
     def join_blocks(self, section, owner):

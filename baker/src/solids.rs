@@ -98,7 +98,13 @@ impl Solids<'_> {
             .partition(|(column, _)| column.is_some());
         if let Some(on_solids) = near::NearOnSolids::new(self, &places, &fit, &gathered) {
             let mut near: Vec<&mut Field> = near.iter_mut().map(|(_, field)| &mut **field).collect();
-            on_solids.carry_on(&fit, &spread, &mut near, &mut gathered);
+            let kept = |site: usize, band: u32| {
+                let [leaf, _] = places.of(site).map_or_else(Default::default, |place| {
+                    self.received[band as usize][place].map(|of| of.beam - of.total)
+                });
+                leaf
+            };
+            on_solids.carry_on(&fit, &spread, &mut near, &kept, &mut gathered);
         }
         far.par_iter_mut().for_each(|(column, field)| {
             let Some(column) = *column else { return };

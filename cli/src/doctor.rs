@@ -1,6 +1,6 @@
 //! `flb doctor`: what this machine offers, and whether the solver does as it must at its extremes.
 
-use flb_format::container::records::VERSION;
+use flb_format::container::records::LATEST_VERSION;
 use flb_transport::extremes::{self, Measured, Outcome, Table};
 use flb_transport::lattice::find_gpu;
 use serde::Serialize;
@@ -59,7 +59,7 @@ pub(crate) fn run(args: &DoctorArgs) -> Result<u8, Failure> {
     };
     let mut report = Report {
         tool: concat!("flb ", env!("CARGO_PKG_VERSION")),
-        format_version: format!("{}.{}", VERSION.0, VERSION.1),
+        format_version: format!("{}.{}", LATEST_VERSION.0, LATEST_VERSION.1),
         threads: rayon::current_num_threads(),
         gpu,
         gpu_error,

@@ -196,11 +196,12 @@ fn colours(species: &SpeciesInfo) -> String {
 fn light_rows(light: &LightInfo) -> Vec<(&'static str, String)> {
     let suns = match &light.suns {
         SunBasis::Lattice18 => "18 lattice directions, blended by three".to_owned(),
-        SunBasis::Harmonics { degree, single: false } => {
-            format!("harmonics to degree {degree}, and the near beam")
-        }
-        SunBasis::Harmonics { degree, single: true } => {
-            format!("harmonics to degree {degree}, the near beam, and light scattered once")
+        SunBasis::Harmonics { degree, single, leaning } => {
+            let beam = if *leaning { "the near beam as leaves meet it" } else { "the near beam" };
+            match single {
+                false => format!("harmonics to degree {degree}, and {beam}"),
+                true => format!("harmonics to degree {degree}, {beam}, and light scattered once"),
+            }
         }
         SunBasis::Directions(list) => {
             format!("{} directions, blended by the three of a triangle", list.directions().len())

@@ -70,6 +70,9 @@ pub enum SunBasis {
         degree: u8,
         /// Whether the near beam has a fifth mean: the light scattered once.
         single: bool,
+        /// Whether a sun's near beam counts as often as leaves meet it: times [`LeafAngles::relative`] of its
+        /// direction. Only where leaves favour an inclination, and fields leave the beam out.
+        leaning: bool,
     },
     /// One field per direction of a list, blended by the three of a triangle.
     Directions(Arc<SunDirections>),
@@ -99,7 +102,9 @@ impl SunBasis {
     pub fn items(&self) -> u16 {
         match self {
             SunBasis::Lattice18 => 1 + MOVING as u16,
-            SunBasis::Harmonics { degree, single } => (1 + harmonics::count(*degree) + means(*single)) as u16,
+            SunBasis::Harmonics { degree, single, .. } => {
+                (1 + harmonics::count(*degree) + means(*single)) as u16
+            }
             SunBasis::Directions(list) => 1 + list.directions().len() as u16,
         }
     }
@@ -135,6 +140,36 @@ impl SunBasis {
             }
             SunBasis::Directions(list) => list.directions().get(number).copied(),
         }
+    }
+
+    /// Returns the same for fields of a kind: with the beam in them it cannot lean.
+    #[must_use]
+    pub fn of_field(self, field: FieldKind) -> SunBasis {
+        self.leaning_if(field == FieldKind::Scattered)
+    }
+
+    /// Returns the same for leaves of these inclinations: without one that they favour nothing leans.
+    #[must_use]
+    pub fn of_leaves(self, angles: &LeafAngles) -> SunBasis {
+        self.leaning_if(!angles.is_spherical())
+    }
+
+    fn leaning_if(mut self, may_lean: bool) -> SunBasis {
+        if let SunBasis::Harmonics { leaning, .. } = &mut self {
+            *leaning &= may_lean;
+        }
+        self
+    }
+
+    /// Whether the near beam counts as often as leaves meet it.
+    pub fn is_leaning(&self) -> bool {
+        matches!(self, SunBasis::Harmonics { leaning: true, .. })
+    }
+
+    /// How often the near beam of a sun counts, whose unit direction has this y component: by the leaves' inclinations
+    /// where it leans, else once.
+    pub fn near_factor(&self, angles: &LeafAngles, up: f64) -> f32 {
+        if self.is_leaning() { angles.relative(up) as f32 } else { 1.0 }
     }
 
     /// Whether the near beam's fifth mean, the light scattered once, is needed.

@@ -81,6 +81,7 @@ impl<'a> Layout<'a> {
         let raw_f16 = sections.iter().any(|(_, section)| is_f16(section));
         let blocks = sections.iter().any(|(key, _)| key.kind == KIND_BLOCKS);
         let physical = species.iter().any(|species| species.meta.model.has_extinction());
+        let leaning = species.iter().any(|species| species.meta.model.suns().is_leaning());
         let mut stored: HashMap<(u32, u32, &[u8]), u64> = HashMap::new();
         for (key, section) in &sections {
             let start = aligned(data_at, SECTION_ALIGN);
@@ -136,13 +137,15 @@ impl<'a> Layout<'a> {
             table_at += table.len() as u64;
             page_tables.extend(table);
         }
+        let required_features = if compressed { FEATURE_ZSTD } else { 0 }
+            | if physical { FEATURE_PHYSICAL } else { 0 }
+            | if raw_f16 { FEATURE_RAW_F16 } else { 0 }
+            | if blocks { FEATURE_BLOCKS } else { 0 }
+            | if leaning { FEATURE_LEANING } else { 0 };
         let header = Header {
-            version: VERSION,
+            version: version_of(required_features),
             header_bytes: HEADER_BYTES as u32,
-            required_features: if compressed { FEATURE_ZSTD } else { 0 }
-                | if physical { FEATURE_PHYSICAL } else { 0 }
-                | if raw_f16 { FEATURE_RAW_F16 } else { 0 }
-                | if blocks { FEATURE_BLOCKS } else { 0 },
+            required_features,
             optional_features: 0,
             file_bytes: data_at,
             contents_offset: HEADER_BYTES,

@@ -57,7 +57,7 @@ impl FileLight {
     pub(crate) fn check(&self, towards_sun: Option<[f64; 3]>, has_sky: bool) -> Result<(), RuntimeError> {
         if let Some(towards_sun) = towards_sun {
             let no_direction = RuntimeError::NoDirection { found: towards_sun };
-            let terms = SunTerms::of(self.light.suns(), towards_sun).ok_or(no_direction)?;
+            let terms = SunTerms::of(self.light.species_suns(), towards_sun).ok_or(no_direction)?;
             if let Some(missing) = self.light.lacks(&terms) {
                 return Err(self.missing(missing));
             }

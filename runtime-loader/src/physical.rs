@@ -102,7 +102,7 @@ impl PhysicalSampler {
     /// directions and has not one that the sun needs, [`RuntimeError::LeftOut`] or [`RuntimeError::MissingBase`].
     pub fn terms(&self, towards_sun: [f64; 3]) -> Result<SunTerms, RuntimeError> {
         let no_direction = RuntimeError::NoDirection { found: towards_sun };
-        let terms = SunTerms::of(self.suns(), towards_sun).ok_or(no_direction)?;
+        let terms = SunTerms::of(self.light.species_suns(), towards_sun).ok_or(no_direction)?;
         match self.light.lacks(&terms) {
             Some(missing) => Err(no_base(&self.path, &self.species, missing)),
             None => Ok(terms),

@@ -30,7 +30,7 @@ use crate::entry::{known_species, no_base};
 use crate::extinction::Extinction;
 use crate::near_beam::{Marcher, MediumSites, everywhere};
 use crate::residency::Runs;
-use crate::sun_terms::{SunTerms, unit};
+use crate::sun_terms::{SpeciesSuns, SunTerms, unit};
 use crate::{Library, RuntimeError};
 pub use all::Resident;
 use mean::Mean;
@@ -79,7 +79,7 @@ pub enum LightLevel {
 pub struct ResidentSpecies {
     grid: Grid,
     bands: usize,
-    suns: SunBasis,
+    suns: SpeciesSuns,
     mean: Mean,
     /// Its medium has an extinction.
     has_extinction: bool,
@@ -109,7 +109,7 @@ impl ResidentSpecies {
         ResidentSpecies {
             grid: meta.grid,
             bands: meta.band_count(),
-            suns: meta.model.suns().clone(),
+            suns: SpeciesSuns::of(&meta.model),
             mean: Mean::of(meta),
             has_extinction: meta.model.has_extinction(),
             is_bounded: meta.model.is_bounded(),
@@ -148,7 +148,7 @@ impl ResidentSpecies {
         if loaded.has_extinction {
             let turbid = container.read_turbid(library.source(), species).map_err(at_library)?;
             let sites = MediumSites::new(turbid).map_err(at_library)?;
-            if loaded.suns.has_near_beam() {
+            if loaded.suns().has_near_beam() {
                 loaded.extinction = Some(Arc::new(Extinction::of(sites.turbid())));
                 loaded.extinction_age = 1;
             }
@@ -182,7 +182,7 @@ impl ResidentSpecies {
 
     /// Whether the near beam of the species' suns needs light scattered once.
     pub fn needs_single(&self) -> bool {
-        self.suns.needs_single()
+        self.suns().needs_single()
     }
 
     /// Block map and detail coding that the bases share, once they are loaded.
@@ -205,6 +205,11 @@ impl ResidentSpecies {
 
     /// How its light depends on the sun.
     pub(crate) fn suns(&self) -> &SunBasis {
+        self.suns.basis()
+    }
+
+    /// The same with what a sun's direction does to its near beam.
+    pub(crate) fn species_suns(&self) -> &SpeciesSuns {
         &self.suns
     }
 
@@ -268,7 +273,7 @@ impl ResidentSpecies {
     /// Sums that the near beams of all its suns share; `None` where they need no near beam, and where the extinction is
     /// not loaded.
     pub(crate) fn near_sums(&self) -> Option<Near<'_>> {
-        let sites = self.sites().filter(|_| self.suns.has_near_beam())?;
+        let sites = self.sites().filter(|_| self.suns().has_near_beam())?;
         Some(sites.near(self.needs_single()))
     }
 
@@ -307,7 +312,7 @@ impl ResidentSpecies {
         towards_sun: [f64; 3],
         offsets: &[[f32; 3]],
     ) -> [f32; MAX_MEANS] {
-        let single = self.suns.needs_single();
+        let single = self.suns().needs_single();
         let squared: f64 = towards_sun.iter().map(|c| c * c).sum();
         let is_unit = (squared - 1.0).abs() < ROUNDED;
         let towards_sun = if is_unit { Some(towards_sun) } else { unit(towards_sun) };

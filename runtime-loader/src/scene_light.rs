@@ -193,7 +193,7 @@ impl Coarse {
     ) -> Result<Volume, RuntimeError> {
         self.light.check(Some(towards_sun), false)?;
         let species = self.light.light();
-        let of_sun = SunTerms::of(species.suns(), towards_sun);
+        let of_sun = SunTerms::of(species.species_suns(), towards_sun);
         let prepared = near
             .zip(species.sites())
             .zip(of_sun)

@@ -142,7 +142,7 @@ mod tests {
 
     #[test]
     fn plants_that_many_rays_meet_have_the_light_of_a_plant_alone_and_others_march() {
-        let stage = stand_of(&SunBasis::Harmonics { degree: 2, single: true });
+        let stage = stand_of(&SunBasis::Harmonics { degree: 2, single: true, leaning: true });
         let load = |plant: &crate::plant::ScenePlant| {
             plant
                 .library()

@@ -89,7 +89,7 @@ pub(crate) fn apart(one: &Picture, other: &Picture) -> f32 {
 
 #[test]
 fn streamed_light_that_is_all_there_makes_the_frame_of_whole_files() {
-    let harmonics = SunBasis::Harmonics { degree: 2, single: true };
+    let harmonics = SunBasis::Harmonics { degree: 2, single: true, leaning: true };
     let clear = StageSky::clear(3.0).expect("a sky");
     let mut pictures = Vec::new();
     for (suns, sky) in
@@ -115,7 +115,7 @@ fn streamed_light_that_is_all_there_makes_the_frame_of_whole_files() {
 
 #[test]
 fn of_a_plant_alone_direct_and_indirect_light_make_the_picture() {
-    let stage = stand_of(&SunBasis::Harmonics { degree: 2, single: true });
+    let stage = stand_of(&SunBasis::Harmonics { degree: 2, single: true, leaning: true });
     let plant = &stage.plants[0];
     let light = plant.light.as_ref().expect("it has some");
     let picture = |indirect, sky: StageSky| {

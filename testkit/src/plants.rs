@@ -95,7 +95,7 @@ pub fn bytes(plants: &[SpeciesFields], codec: Codec) -> Vec<u8> {
 
 /// Three plants of the three kinds of suns.
 pub fn three() -> Vec<SpeciesFields> {
-    let harmonics = SunBasis::Harmonics { degree: 2, single: true };
+    let harmonics = SunBasis::Harmonics { degree: 2, single: true, leaning: false };
     vec![
         plant("oak", None, 64, 1),
         plant("pine", Some(&SunBasis::Lattice18), 32, 2),

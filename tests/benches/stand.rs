@@ -36,7 +36,7 @@ struct Case {
 }
 
 fn cases(quick: bool) -> [Case; 2] {
-    let harmonics = |degree, single| SunBasis::Harmonics { degree, single };
+    let harmonics = |degree, single| SunBasis::Harmonics { degree, single, leaning: false };
     let sh1 = |lattice| (lattice, "sh1", harmonics(1, false));
     let mut ways = vec![sh1(16), sh1(32)];
     if !quick {

@@ -116,7 +116,7 @@ impl Default for OrdinatesSettings {
             ordinates: Ordinates::Lebedev110,
             rays: 1,
             parts: 1,
-            suns: SunBasis::Harmonics { degree: 2, single: true },
+            suns: SunBasis::Harmonics { degree: 2, single: true, leaning: true },
             bases: BaseSet::ALL,
             field: FieldKind::Scattered,
             tolerance: 2e-3,
@@ -127,6 +127,12 @@ impl Default for OrdinatesSettings {
 }
 
 impl OrdinatesSettings {
+    /// Default settings for fields of a kind: a near beam leans unless they hold the beam.
+    pub fn of_field(field: FieldKind) -> OrdinatesSettings {
+        let default = OrdinatesSettings::default();
+        OrdinatesSettings { field, suns: default.suns.of_field(field), ..default }
+    }
+
     /// Whether the light of the sky is wanted.
     fn sky(&self) -> bool {
         self.bases.contains(0)
@@ -274,6 +280,7 @@ pub fn solve_among(
         items: items.iter().copied().filter(far).collect(),
         values: Vec::new(),
         near: total::of_near(&plan, &beams, settings),
+        beyond: total::beyond(&plan, &beams, settings),
         open_sky: Vec::new(),
     };
     let spread = Spread::new(&sites, medium.grid.lattice);
@@ -389,12 +396,12 @@ impl OrdinatesSolution {
                     blend.bases.map(|base| at_sites(&field(base).expect("the direction was solved").1));
                 blended(&blend, [&bases[0], &bases[1], &bases[2]])
             }
-            &SunBasis::Harmonics { degree, single } => {
+            &SunBasis::Harmonics { degree, single, leaning } => {
                 let items = usize::from(suns.items());
                 assert_eq!(self.fields.len(), items, "the suns are not those that were solved");
                 let fields: Vec<Vec<f32>> =
                     self.fields[1..].iter().map(|(_, field)| at_sites(field)).collect();
-                evaluate(&fields, Terms { degree, single }, towards_sun, near)
+                evaluate(&fields, Terms { degree, single, leaning }, towards_sun, near)
             }
         }
     }

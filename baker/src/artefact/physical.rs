@@ -112,6 +112,7 @@ pub struct StoredLight {
     items: Vec<u8>,
     total: Vec<Vec<Vec<f32>>>,
     near: Vec<Vec<Vec<f32>>>,
+    beyond: Vec<Vec<f32>>,
     open_sky: Vec<f32>,
 }
 
@@ -140,12 +141,13 @@ impl Artefact for LightArtefact {
             items: self.total.items.clone(),
             total: self.total.values.clone(),
             near: self.total.near.clone(),
+            beyond: self.total.beyond.clone(),
             open_sky: self.total.open_sky.clone(),
         }
     }
 
     fn restore(stored: StoredLight) -> Result<LightArtefact, ArtefactError> {
-        let StoredLight { reports, held_out, items, total, near, open_sky } = stored;
+        let StoredLight { reports, held_out, items, total, near, beyond, open_sky } = stored;
         if !(1..=MAX_BANDS as usize).contains(&reports.len()) {
             return fault("reports", format!("{} bands: expected 1 to {MAX_BANDS}", reports.len()));
         }
@@ -171,14 +173,14 @@ impl Artefact for LightArtefact {
         if items.first() == Some(&0) {
             check_length("open_sky", open_sky.len(), sites)?;
         }
-        let values = || total.iter().chain(&near).flatten().chain([&open_sky]).flatten();
+        let values = || total.iter().chain(&near).flatten().chain(&beyond).chain([&open_sky]).flatten();
         if let Some(value) = values().find(|value| !value.is_finite()) {
             return fault("total", format!("{value}: expected finite numbers"));
         }
         Ok(LightArtefact {
             reports: restored,
             held_out,
-            total: TotalLight { items, values: total, near, open_sky },
+            total: TotalLight { items, values: total, near, beyond, open_sky },
         })
     }
 }

@@ -186,6 +186,7 @@ fn light() -> LightArtefact {
         items: vec![0, 1],
         values: vec![vec![vec![0.5, 0.25]; 2]; 2],
         near: vec![vec![vec![0.25, 1.0]; 3]],
+        beyond: vec![vec![-0.5, 1.5]; 1],
         open_sky: vec![0.5, 0.125],
     };
     LightArtefact { reports: vec![report(0, Some(0.01)), report(1, None)], held_out: 5, total }
@@ -235,6 +236,7 @@ fn a_crown_or_a_report_that_lies_is_refused() {
     assert!(lie(&|l| l.reports.clear()).contains("reports: 0 bands: expected 1 to 64"));
     assert!(lie(&|l| l.reports[0].suns_rms = Some(-1.0)).contains("band 0, suns_rms: -1: expected a finite"));
     assert!(lie(&|l| _ = l.total.open_sky.pop()).contains("open_sky: 1 entries: expected 2"));
+    assert!(lie(&|l| l.total.beyond[0][1] = f32::NAN).contains("total: NaN: expected finite"));
     assert!(lie(&|l| l.total.open_sky[1] = f32::NAN).contains("total: NaN: expected finite"));
     assert!(lie(&|l| l.reports[1].error_estimate = f64::INFINITY).contains("band 1, error_estimate: inf"));
 }

@@ -94,7 +94,9 @@ pub fn of_ordinates(settings: &OrdinatesSettings) -> [(&'static str, Value); 8] 
 pub fn of_suns(suns: &SunBasis) -> Value {
     match suns {
         SunBasis::Lattice18 => json!("lattice18"),
-        SunBasis::Harmonics { degree, single } => json!({ "degree": degree, "single": single }),
+        SunBasis::Harmonics { degree, single, leaning } => {
+            json!({ "degree": degree, "single": single, "leaning": leaning })
+        }
         SunBasis::Directions(directions) => json!(directions.directions()),
     }
 }

@@ -126,7 +126,8 @@ impl StoredSolution<'_> {
         let sites = medium.sites().len();
         let check = |light: &LightArtefact| {
             fits("bands", &light.reports.len(), &bands)?;
-            let of_sites = light.total.values.iter().chain(&light.total.near).flatten();
+            let of_sites =
+                light.total.values.iter().chain(&light.total.near).flatten().chain(&light.total.beyond);
             let count = of_sites.map(Vec::len).find(|count| *count != sites);
             fits("sites", &count.unwrap_or(sites), &sites)
         };

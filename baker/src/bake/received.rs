@@ -16,6 +16,9 @@ const LEAF: usize = 0;
 /// Turns fields of scattered light into what leaves receive (and wood in sites without leaves), in place. Values of
 /// empty sites are made anew. `received` is what matter receives, `[band][place][leaf, wood]`; `open_sky` is the light
 /// of the sky that has met nothing, per place.
+///
+/// What a site's matter scatters of a beam lights its cloud, but not the matter as much. Leaves that lean scatter more
+/// or less of the beam, so more or less is taken back, too: the near beam's own coefficient counts as often.
 pub(crate) fn on_matter(
     fields: &mut [(u8, Field)],
     crown: &Crown,
@@ -29,15 +32,21 @@ pub(crate) fn on_matter(
     let near = near(turbid, &sites, false);
     let spread = Spread::new(&sites, turbid.grid.lattice);
     fields.par_iter_mut().for_each(|(item, field)| {
-        let beam: Option<Vec<f32>> = beam_of(*item, suns).map(|beam| match beam {
-            OwnBeam::Coefficient => vec![1.0; sites.len()],
-            OwnBeam::Towards(sun) => near.beam(sun, BEAM_RAYS).beam.mean,
+        // The beam, and how much of it leaves meet.
+        let beam: Option<(Vec<f32>, f32)> = beam_of(*item, suns).map(|beam| match beam {
+            OwnBeam::Coefficient => (vec![1.0; sites.len()], 1.0),
+            OwnBeam::Towards(sun) => {
+                (near.beam(sun, BEAM_RAYS).beam.mean, turbid.angles.relative(sun[1]) as f32)
+            }
         });
         let straight = (*item == 0).then_some(open_sky);
         for (band, received) in (0..field.bands).zip(received) {
             let value = |(place, &site): (usize, &u32)| {
                 let Received { total, beam: of_beam, .. } = received[place][kind(site)];
-                let direct = beam.as_ref().map_or(0.0, |beam| beam[place]);
+                let direct = beam.as_ref().map_or(0.0, |(beam, relative)| match kind(site) {
+                    LEAF => relative * beam[place],
+                    _ => beam[place],
+                });
                 let light = total * field.value(band, site as usize) + (total - of_beam) * direct;
                 match straight {
                     Some(sky) if kind(site) == LEAF => seen_sky.on_leaves(place, light, of_beam * sky[place]),

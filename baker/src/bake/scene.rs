@@ -44,7 +44,7 @@ impl Default for SceneSettings {
     fn default() -> SceneSettings {
         SceneSettings {
             lattice: 64,
-            suns: SunBasis::Harmonics { degree: 1, single: false },
+            suns: SunBasis::Harmonics { degree: 1, single: false, leaning: true },
             ordinates: Ordinates::Lebedev50,
             tolerance: 2e-3,
             max_passes: 200,
@@ -67,7 +67,7 @@ impl SceneSettings {
             ordinates: self.ordinates,
             rays: rays_for(lattice, 1),
             parts: 1,
-            suns: self.suns.clone(),
+            suns: self.suns.clone().of_field(field),
             bases: BaseSet::ALL,
             field,
             tolerance: self.tolerance,
@@ -429,7 +429,7 @@ impl Baking<'_> {
         self.suns_rms = Some(self.suns_rms.map_or(suns_rms, |largest| largest.max(suns_rms)));
         let solve = said_of_solve(&solution, &settings);
         let said = said.iter().chain(&solve).map(|(key, value)| ((*key).to_owned(), value.clone()));
-        let light = Light { error: error_of(&solution), ..unsolved_light(&settings) };
+        let light = Light { error: error_of(&solution), ..unsolved_light(&settings, &source.turbid.angles) };
         let Entry { meta, medium } = entry(role, source.turbid, is_ground, surfaces.clone(), light, said);
         let turbid = Some(source.turbid.clone());
         Ok((SpeciesFields { meta, medium, turbid, bases: solution.fields }, cached))

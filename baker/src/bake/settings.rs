@@ -2,6 +2,7 @@
 
 use flb_format::bases::BaseSet;
 use flb_format::light::{FieldKind, Light, LightError, SunBasis};
+use flb_format::matter::LeafAngles;
 use flb_format::sample::SOLID_OFFSET;
 use flb_format::{Purpose, Quality};
 use flb_scene::PlantReader;
@@ -263,7 +264,7 @@ impl PhysicalSettings {
             Quality::Fine | Quality::Reference => 3,
         };
         PhysicalSettings {
-            suns: SunChoice::ByWalls(SunBasis::Harmonics { degree, single: true }),
+            suns: SunChoice::ByWalls(SunBasis::Harmonics { degree, single: true, leaning: true }),
             ordinates: if quality == Quality::Draft { Ordinates::Lebedev50 } else { Ordinates::Lebedev110 },
             rays: None,
             parts: if quality == Quality::Reference { 2 } else { 1 },
@@ -287,7 +288,7 @@ impl PhysicalSettings {
             ordinates: self.ordinates,
             rays: self.rays.unwrap_or_else(|| rays_for(lattice, self.parts)),
             parts: self.parts,
-            suns: self.suns.basis(walls),
+            suns: self.suns.basis(walls).of_field(self.field),
             bases,
             field: self.field,
             tolerance: self.tolerance,
@@ -365,14 +366,14 @@ impl PaperSettings {
     }
 }
 
-/// Metadata of the light before it is solved.
-pub fn unsolved_light(solve: &OrdinatesSettings) -> Light {
+/// Metadata of the light of leaves with these inclinations before it is solved.
+pub fn unsolved_light(solve: &OrdinatesSettings, angles: &LeafAngles) -> Light {
     Light {
         field: solve.field,
         ordinates: solve.ordinates.count(),
         rays: solve.rays,
-        suns: solve.suns.clone(),
-        leaf_angles: flb_format::matter::LeafAngles::spherical(),
+        suns: solve.suns.clone().of_leaves(angles),
+        leaf_angles: angles.clone(),
         error: LightError { suns_rms: 0.0, held_out: 0, solver: 0.0, monte_carlo: None },
         solid_offset: (solve.field == FieldKind::Scattered).then_some(SOLID_OFFSET),
     }

@@ -29,10 +29,9 @@ pub fn entry(
     light: Light,
     settings: impl IntoIterator<Item = (String, Value)>,
 ) -> Entry {
-    let model = Model::Physical {
-        surfaces: Surfaces { bands: vec![surfaces] },
-        light: Light { leaf_angles: turbid.angles.clone(), ..light },
-    };
+    let suns = light.suns.clone().of_leaves(&turbid.angles);
+    let light = Light { suns, leaf_angles: turbid.angles.clone(), ..light };
+    let model = Model::Physical { surfaces: Surfaces { bands: vec![surfaces] }, light };
     of_model(role, turbid, is_ground, model, settings)
 }
 

@@ -56,6 +56,8 @@ impl Gathered {
 pub(super) struct Sent {
     /// `[place][item][band]`: all light of the site.
     light: Vec<f32>,
+    /// `[place][item]`: what leaves meet beyond that of the beams; empty where they favour no inclination.
+    beyond: Vec<f32>,
     /// `[place][leaf, wood][band]`: albedo times what matter receives of it.
     factors: Vec<f32>,
     pub bands: usize,
@@ -76,6 +78,11 @@ impl Sent {
                 }
             }
         });
+        let skies = total.items.iter().take_while(|item| **item == 0).count();
+        let mut beyond = vec![0.0; if total.beyond.is_empty() { 0 } else { sites * items }];
+        beyond.par_chunks_mut(items.max(1)).enumerate().for_each(|(place, out)| {
+            out[skies..].iter_mut().zip(&total.beyond).for_each(|(out, beyond)| *out = beyond[place]);
+        });
         let mut factors = vec![0.0; sites * 2 * bands_count];
         factors.par_chunks_mut(2 * bands_count).enumerate().for_each(|(place, out)| {
             for (band, received) in received.iter().enumerate() {
@@ -84,16 +91,20 @@ impl Sent {
                 out[bands_count + band] = wood.total * wood.albedo;
             }
         });
-        Sent { light, factors, bands: bands_count, width }
+        Sent { light, beyond, factors, bands: bands_count, width }
     }
 
     /// Adds what a kind of matter in a site sends out, four pi times its radiance.
     pub(super) fn add(&self, place: usize, wood: bool, out: &mut [f32]) {
         let factors = &self.factors[(2 * place + usize::from(wood)) * self.bands..][..self.bands];
         let light = &self.light[place * self.width..][..self.width];
-        for (out, light) in out.chunks_exact_mut(self.bands).zip(light.chunks_exact(self.bands)) {
+        let items = self.width / self.bands;
+        let beyond = self.beyond.get(place * items..(place + 1) * items).filter(|_| !wood);
+        let of_items = out.chunks_exact_mut(self.bands).zip(light.chunks_exact(self.bands));
+        for (item, (out, light)) in of_items.enumerate() {
+            let beyond = beyond.map_or(0.0, |beyond| beyond[item]);
             for ((out, light), factor) in out.iter_mut().zip(light).zip(factors) {
-                *out += light * factor;
+                *out += (light + beyond) * factor;
             }
         }
     }

@@ -58,28 +58,38 @@ impl NearOnSolids {
     }
 
     /// Carries the coefficients of leaves on to solids, in the fields of the means, and takes what they give from what
-    /// was gathered. `of_all` spreads values at the sites of `fit`.
+    /// was gathered. `of_all` spreads values at the sites of `fit`; `kept` is what leaves of a site take back of the
+    /// beam that they scatter themselves, by site and band: a solid takes back none.
     pub(super) fn carry_on(
         &self,
         fit: &Fit,
         of_all: &Spread,
         near: &mut [&mut Field],
+        kept: &(dyn Fn(usize, u32) -> f32 + Sync),
         gathered: &mut Gathered,
     ) {
         let Some(lattice) = near.first().map(|field| field.lattice) else { return };
         let sites = fit.leaf_sites();
         let of_leaves = Spread::new(&sites, lattice);
+        let kept =
+            |mean: usize, site: u32, band: u32| if mean == 0 { kept(site as usize, band) } else { 0.0 };
         // Where no leaf has light of its own, what was there stays.
-        near.par_iter_mut().filter(|_| !sites.is_empty()).for_each(|field| {
+        near.par_iter_mut().enumerate().filter(|_| !sites.is_empty()).for_each(|(mean, field)| {
             for band in 0..field.bands {
-                let values: Vec<f32> = sites.iter().map(|&site| field.value(band, site as usize)).collect();
+                let value = |&site: &u32| field.value(band, site as usize) + kept(mean, site, band);
+                let values: Vec<f32> = sites.iter().map(value).collect();
                 field.set_band(band, of_leaves.band(&values));
             }
         });
         let shares = self.shares(fit, near, gathered);
-        near.par_iter_mut().for_each(|field| {
+        near.par_iter_mut().enumerate().for_each(|(mean, field)| {
             for band in 0..field.bands {
-                let share = |(&site, share): (&u32, &f32)| share * field.value(band, site as usize);
+                let mut leaves = sites.iter().peekable();
+                let share = |(&site, share): (&u32, &f32)| {
+                    let is_leaf = leaves.next_if(|leaf| **leaf == site).is_some();
+                    let kept = if is_leaf { kept(mean, site, band) } else { 0.0 };
+                    share * field.value(band, site as usize) - kept
+                };
                 let values: Vec<f32> = fit.sites().iter().zip(&shares).map(share).collect();
                 field.set_band(band, of_all.band(&values));
             }

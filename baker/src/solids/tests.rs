@@ -200,8 +200,11 @@ fn leaves_with_a_twig_and_a_block() -> Mesh {
 
 #[test]
 fn twigs_take_the_near_beam_of_the_leaves_around_and_the_harmonics_hold_the_rest() {
-    let plant =
-        Plant::new(leaves_with_a_twig_and_a_block(), 32, SunBasis::Harmonics { degree: 1, single: true });
+    let plant = Plant::new(
+        leaves_with_a_twig_and_a_block(),
+        32,
+        SunBasis::Harmonics { degree: 1, single: true, leaning: false },
+    );
     let fields = plant.lit();
     let solids = plant.solids();
     let rays = RayMesh::new(&plant.classed.mesh, false).unwrap();
@@ -299,7 +302,7 @@ fn a_pot_and_a_leaf_that_absorb_nothing_are_as_bright_as_the_sky() {
 
 #[test]
 fn suns_light_a_leaf_in_a_pot_by_way_of_its_walls() {
-    let suns = SunBasis::Harmonics { degree: 1, single: false };
+    let suns = SunBasis::Harmonics { degree: 1, single: false, leaning: false };
     let plant = Plant::new(leaf_behind(&[0, 1, 2, 4, 5]), 16, suns);
     let fields = plant.lit();
     let (_, mean) = fields.into_iter().find(|(item, _)| *item == 1).expect("the mean over all suns");

@@ -129,7 +129,7 @@ impl Transport {
 
     /// Dependence of the fields on the sun.
     pub(super) fn suns(&self) -> SunBasis {
-        self.marched().map_or(SunBasis::Lattice18, |marched| marched.suns.basis())
+        self.marched().map_or(SunBasis::Lattice18, |marched| marched.suns.basis().of_field(marched.field))
     }
 
     /// Light that a field holds.

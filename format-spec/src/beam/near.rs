@@ -42,6 +42,8 @@ pub struct NearBeam {
     pub around: Vec<Vec<f32>>,
     /// Whether `around` holds the light scattered once.
     pub single: bool,
+    /// Extinction of leaves along the beam, relative to its mean over all directions.
+    pub relative: f32,
 }
 
 impl NearBeam {
@@ -104,7 +106,8 @@ impl<'m> Near<'m> {
 
     /// The near beam of a beam whose means [`Near::around`] or [`Near::around_each`] gave.
     pub fn with_means(&self, beam: Beam, around: Vec<Vec<f32>>) -> NearBeam {
-        NearBeam { beam, around, single: self.axes.is_some() }
+        let relative = self.medium.angles.relative(beam.towards_sun[1]) as f32;
+        NearBeam { beam, around, single: self.axes.is_some(), relative }
     }
 
     /// The beam alone.

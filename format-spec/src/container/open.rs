@@ -32,6 +32,8 @@ pub(super) fn open(source: &dyn Source) -> Result<Container, FormatError> {
     let species = join::join_species(source, header.kinds(), &sections, &tables)?;
     let physical = species.iter().any(|species| species.meta.model.has_extinction());
     check_feature_use(&header, FEATURE_PHYSICAL, "1 (physical)", "the metadata", physical)?;
+    let leaning = species.iter().any(|species| species.meta.model.suns().is_leaning());
+    check_feature_use(&header, FEATURE_LEANING, "4 (leaning)", "the metadata", leaning)?;
     let chosen = vec![None; species.len()];
     Ok(Container { header, sections, tables, species, chosen })
 }

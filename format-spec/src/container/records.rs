@@ -7,8 +7,10 @@ use std::fmt;
 
 /// First eight bytes of every file. The odd first byte, CR LF, ^Z and LF catch text transfers.
 pub const MAGIC: [u8; 8] = [0x89, 0x46, 0x4C, 0x42, 0x0D, 0x0A, 0x1A, 0x0A];
-/// Major and minor version that this code writes.
+/// Major and minor version of files that need nothing of a later one.
 pub const VERSION: (u16, u16) = (1, 0);
+/// Latest version that this code reads and writes: that of files with [`FEATURE_LEANING`].
+pub const LATEST_VERSION: (u16, u16) = (1, 1);
 /// Major version of the draft, whose files this code reads and [`VERSION`] replaces (SPEC.md, section 13).
 pub const DRAFT_MAJOR: u16 = 0;
 /// Required feature bits that the draft has.
@@ -23,8 +25,16 @@ pub const FEATURE_PHYSICAL: u64 = 2;
 pub const FEATURE_RAW_F16: u64 = 4;
 /// Required feature bit 3: at least one species is stored as blocks near geometry.
 pub const FEATURE_BLOCKS: u64 = 8;
+/// Required feature bit 4: the near beam of at least one species counts as often as leaves meet it.
+pub const FEATURE_LEANING: u64 = 16;
 /// Every required feature bit that this reader knows.
-pub const FEATURES_KNOWN: u64 = FEATURE_ZSTD | FEATURE_PHYSICAL | FEATURE_RAW_F16 | FEATURE_BLOCKS;
+pub const FEATURES_KNOWN: u64 =
+    FEATURE_ZSTD | FEATURE_PHYSICAL | FEATURE_RAW_F16 | FEATURE_BLOCKS | FEATURE_LEANING;
+
+/// The lowest version that has these features.
+pub const fn version_of(required_features: u64) -> (u16, u16) {
+    if required_features & FEATURE_LEANING != 0 { LATEST_VERSION } else { VERSION }
+}
 
 /// Bytes of the header.
 pub const HEADER_BYTES: u64 = 128;

@@ -40,6 +40,8 @@ struct PlainSuns {
     #[serde(default, skip_serializing_if = "Option::is_none", deserialize_with = "present")]
     single: Option<bool>,
     #[serde(default, skip_serializing_if = "Option::is_none", deserialize_with = "present")]
+    leaning: Option<bool>,
+    #[serde(default, skip_serializing_if = "Option::is_none", deserialize_with = "present")]
     directions: Option<Vec<[f64; 3]>>,
     #[serde(default, skip_serializing_if = "Option::is_none", deserialize_with = "present")]
     triangles: Option<Vec<[u32; 3]>>,
@@ -50,10 +52,11 @@ impl Serialize for SunBasis {
         let mut plain = PlainSuns { kind: self.name().to_owned(), ..PlainSuns::default() };
         match self {
             SunBasis::Lattice18 => {}
-            SunBasis::Harmonics { degree, single } => {
+            SunBasis::Harmonics { degree, single, leaning } => {
                 plain.degree = Some(*degree);
                 plain.reaches = Some(reaches(*single).to_vec());
                 plain.single = single.then_some(true);
+                plain.leaning = leaning.then_some(true);
             }
             SunBasis::Directions(list) => {
                 plain.directions = Some(list.directions().to_vec());
@@ -68,24 +71,25 @@ impl Serialize for SunBasis {
 impl<'de> Deserialize<'de> for SunBasis {
     fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<SunBasis, D::Error> {
         let plain = PlainSuns::deserialize(deserializer)?;
-        let PlainSuns { kind, degree, reaches: found, single, directions, triangles } = plain;
-        match (kind.as_str(), degree, found, single, directions, triangles) {
-            ("lattice18", None, None, None, None, None) => Ok(SunBasis::Lattice18),
-            ("harmonics", Some(degree), Some(found), None | Some(true), None, None)
+        let PlainSuns { kind, degree, reaches: found, single, leaning, directions, triangles } = plain;
+        match (kind.as_str(), degree, found, [single, leaning], directions, triangles) {
+            ("lattice18", None, None, [None, None], None, None) => Ok(SunBasis::Lattice18),
+            ("harmonics", Some(degree), Some(found), [None | Some(true), None | Some(true)], None, None)
                 if found == reaches(single.is_some()) =>
             {
-                Ok(SunBasis::Harmonics { degree, single: single.is_some() })
+                Ok(SunBasis::Harmonics { degree, single: single.is_some(), leaning: leaning.is_some() })
             }
-            ("directions", None, None, None, Some(directions), Some(triangles)) => {
+            ("directions", None, None, [None, None], Some(directions), Some(triangles)) => {
                 let list = SunDirections::new(directions, triangles).map_err(D::Error::custom)?;
                 Ok(SunBasis::Directions(list.into()))
             }
-            (_, degree, found, single, directions, triangles) => {
+            (_, degree, found, [single, leaning], directions, triangles) => {
                 let count = |list: Option<usize>| list.map_or("no".to_owned(), |count| count.to_string());
                 Err(D::Error::custom(format!(
-                    "light.suns of kind {kind:?}, degree {degree:?}, reaches {found:?}, single {single:?}, {} directions, {} \
-                     triangles: expected \"lattice18\" alone; \"harmonics\" with a degree and reaches {:?}, or with a degree, \
-                     reaches {:?} and single true; or \"directions\" with directions and triangles",
+                    "light.suns of kind {kind:?}, degree {degree:?}, reaches {found:?}, single {single:?}, leaning \
+                     {leaning:?}, {} directions, {} triangles: expected \"lattice18\" alone; \"harmonics\" with a degree \
+                     and reaches {:?}, or with a degree, reaches {:?} and single true, and leaning true or none; or \
+                     \"directions\" with directions and triangles",
                     count(directions.map(|list| list.len())),
                     count(triangles.map(|list| list.len())),
                     reaches(false),
@@ -166,10 +170,12 @@ mod tests {
 
     #[test]
     fn suns_have_no_members_of_another_kind() {
-        let harmonics = |single| SunBasis::Harmonics { degree: 2, single };
+        let harmonics = |single, leaning| SunBasis::Harmonics { degree: 2, single, leaning };
         let directions: SunBasis = serde_json::from_str(TETRAHEDRON).expect("a tetrahedron");
         assert_eq!(serde_json::to_string(&directions).expect("plain"), TETRAHEDRON);
-        for suns in [SunBasis::Lattice18, harmonics(false), harmonics(true), directions] {
+        let all = [(false, false), (true, false), (false, true), (true, true)];
+        let harmonics = all.map(|(single, leaning)| harmonics(single, leaning));
+        for suns in harmonics.into_iter().chain([SunBasis::Lattice18, directions]) {
             let text = serde_json::to_string(&suns).expect("plain");
             assert_eq!(serde_json::from_str::<SunBasis>(&text).expect(&text), suns);
         }
@@ -183,6 +189,10 @@ mod tests {
             r#"{"kind":"harmonics","degree":1,"reaches":[1,3,8],"single":true}"#,
             r#"{"kind":"harmonics","degree":1,"reaches":[8]}"#,
             r#"{"kind":"lattice18","single":true}"#,
+            r#"{"kind":"lattice18","leaning":true}"#,
+            r#"{"kind":"harmonics","degree":1,"reaches":[1,3,8],"leaning":false}"#,
+            r#"{"kind":"harmonics","degree":1,"reaches":[1,3,8],"leaning":null}"#,
+            &TETRAHEDRON.replace("directions\",", "directions\",\"leaning\":true,"),
             r#"{"kind":"sh2"}"#,
             r#""lattice18""#,
             r#"{"kind":"directions"}"#,

@@ -9,7 +9,7 @@ macro_rules! files {
 /// All golden files of this version and those before, by name: `raw-f32`, `v0.1/raw-f32`.
 pub static GOLDEN: &[(&str, &[u8])] = files! {
     "classed" "classed-all-blocks" "classed-first" "directions" "haar" "haar-paper" "haar-paper-exact"
-    "haar-paper-zstd" "left-out" "mesh" "physical" "physical-single" "raw-f16" "raw-f32" "shared"
+    "haar-paper-zstd" "leaning" "left-out" "mesh" "physical" "physical-single" "raw-f16" "raw-f32" "shared"
     "v0.1/haar-paper" "v0.1/haar-paper-exact" "v0.1/haar-paper-zstd" "v0.1/left-out" "v0.1/physical"
     "v0.1/physical-single" "v0.1/raw-f16" "v0.1/raw-f32"
 };

@@ -48,7 +48,7 @@ const RAW: &[Said] = &[
     (9, "pdf-in-front", "not an .flb file"),
     (10, "major-2", "header at byte 8: format version 2.0, this reader knows major versions 0 and 1"),
     (10, "major-65535", "format version 65535.0"),
-    (11, "feature-4", "required feature bit 4 is not"),
+    (11, "feature-5", "required feature bit 5 is not"),
     (11, "feature-63", "required feature bit 63"),
     (12, "required-section", "required section kind 2147483647 is not known"),
     (13, "header-60", "header at byte 60: reserved field holds 0x1"),

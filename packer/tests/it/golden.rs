@@ -32,17 +32,22 @@ fn golden() -> Vec<(&'static str, Vec<SpeciesFields>, EncodeSettings)> {
     let bases = [3, 7, 10, 15, 17].into_iter().collect();
     let reason = "upright plants under the whole sky; band B is not drawn".to_owned();
     part.meta.left_out = Some(LeftOut { bases, bands: vec!["B".to_owned()], reason });
-    let harmonics = SunBasis::Harmonics { degree: 1, single: false };
+    let harmonics = SunBasis::Harmonics { degree: 1, single: false, leaning: false };
     let all: Vec<u8> = harmonics.item_numbers().collect();
     let mut total = physical("total", SunBasis::Lattice18, FieldKind::Total, &[0, 4]);
     let bases = [3, 7].into_iter().collect();
     total.meta.left_out =
         Some(LeftOut { bases, bands: vec!["green".to_owned()], reason: "no sun".to_owned() });
     let scattered = physical("scattered", harmonics, FieldKind::Scattered, &all);
-    let once = SunBasis::Harmonics { degree: 1, single: true };
+    let once = SunBasis::Harmonics { degree: 1, single: true, leaning: false };
     let once = whole("once", once);
-    let near_physical =
-        physical("once", SunBasis::Harmonics { degree: 1, single: true }, FieldKind::Scattered, &all[..8]);
+    let leaning = whole("leaning", SunBasis::Harmonics { degree: 1, single: true, leaning: true });
+    let near_physical = physical(
+        "once",
+        SunBasis::Harmonics { degree: 1, single: true, leaning: false },
+        FieldKind::Scattered,
+        &all[..8],
+    );
     // Of two versions of a species, the second with half of base 4.
     let mut second = species("second", 3, &[0, 4]);
     second.bases[1].1.values_mut().iter_mut().for_each(|value| *value *= 0.5);
@@ -71,6 +76,7 @@ fn golden() -> Vec<(&'static str, Vec<SpeciesFields>, EncodeSettings)> {
             near(Codec::Haar, Target::Psnr(30.0), StoredBlocks::Usual, false),
         ),
         ("physical-single", vec![once], haar(0.02, true)),
+        ("leaning", vec![leaning, species("paper", 1, &[4])], haar(0.02, false)),
         ("physical", vec![scattered, total, species("paper", 1, &[4])], haar(0.01, false)),
         ("raw-f32", vec![species("sphere", 3, &[0, 1])], raw.clone()),
         ("shared", vec![species("first", 3, &[0, 4]), second], haar(0.01, true)),
@@ -232,7 +238,7 @@ fn raw_f16_rounds_every_value_says_what_that_cost_and_sets_its_feature_bit() {
 
 #[test]
 fn physical_species_pack_and_load_in_every_codec() {
-    let suns = SunBasis::Harmonics { degree: 3, single: true };
+    let suns = SunBasis::Harmonics { degree: 3, single: true, leaning: false };
     let fields = whole("oak", suns);
     for codec in Codec::ALL {
         let settings = EncodeSettings { codec, compress: true, ..EncodeSettings::papers() };

@@ -266,7 +266,8 @@ fn physical_refusal(suns: &SunBasis, edit: impl FnOnce(&mut SpeciesFields)) -> S
 
 #[test]
 fn physical_species_that_do_not_fit_are_refused() {
-    let (degree_2, lattice) = (&SunBasis::Harmonics { degree: 2, single: false }, &SunBasis::Lattice18);
+    let (degree_2, lattice) =
+        (&SunBasis::Harmonics { degree: 2, single: false, leaning: false }, &SunBasis::Lattice18);
     let text = physical_refusal(degree_2, |f| f.turbid = None);
     assert!(
         text.contains("the extinction of species \"oak\" is absent, expected given for the model"),
@@ -305,7 +306,9 @@ fn tetrahedron() -> SunBasis {
 #[test]
 fn bases_of_harmonics_and_of_lists_are_never_dropped() {
     let keep: BaseSet = [0, 1].into_iter().collect();
-    for (suns, bases) in [(SunBasis::Harmonics { degree: 1, single: false }, 9), (tetrahedron(), 5)] {
+    for (suns, bases) in
+        [(SunBasis::Harmonics { degree: 1, single: false, leaning: false }, 9), (tetrahedron(), 5)]
+    {
         let mut fields = physical(&suns);
         let mut coded = encode(&fields, &EncodeSettings::papers()).expect("it encodes");
         keep_bases(&mut fields, keep, "no sun");

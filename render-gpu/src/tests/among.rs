@@ -172,7 +172,7 @@ fn physical_pictures_among_neighbours_that_share_volumes_are_those_of_the_cpu() 
 fn harmonics_among_neighbours_have_the_near_beam_of_the_cpu() {
     let meshes = meshes();
     let instances = stand(9, 20.0, [0.0; 3]);
-    let suns = SunBasis::Harmonics { degree: 2, single: true };
+    let suns = SunBasis::Harmonics { degree: 2, single: true, leaning: true };
     let library = library(&NAMES.map(|name| (name, Some(suns.clone()))), Codec::Classed);
     let samplers = [0, 1].map(|species| PhysicalSampler::load(&library, species).unwrap());
     let marchers = samplers.each_ref().map(PhysicalSampler::marcher);

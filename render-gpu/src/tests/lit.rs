@@ -130,7 +130,7 @@ fn physical_pictures_are_those_of_the_cpu() {
 fn harmonics_are_lit_with_the_near_beam_as_on_the_cpu() {
     let meshes = meshes();
     let instances = stand(9, 20.0, [0.0; 3]);
-    let suns = Some(SunBasis::Harmonics { degree: 2, single: true });
+    let suns = Some(SunBasis::Harmonics { degree: 2, single: true, leaning: true });
     let library = library(&[("oak", suns.clone()), ("spruce", suns)], Codec::Classed);
     let sources = [0, 1].map(|species| LightSource::Library { library: &library, species });
     let samplers = [0, 1].map(|species| PhysicalSampler::load(&library, species).unwrap());

@@ -109,7 +109,7 @@ fn pictures_under_a_clear_sky_are_those_of_the_cpu() {
 fn pictures_of_harmonics_under_a_clear_sky_have_the_light_of_the_cpu() {
     let meshes = meshes();
     let instances = stand(9, 20.0, [0.0; 3]);
-    let suns = Some(SunBasis::Harmonics { degree: 2, single: true });
+    let suns = Some(SunBasis::Harmonics { degree: 2, single: true, leaning: true });
     let library = library(&NAMES.map(|name| (name, suns.clone())), Codec::Classed);
     // Fields of the mean fluence: half of it falls on solids.
     let Shading::Physical(surfaces) = physical() else { panic!("a physical shading") };

@@ -11,12 +11,15 @@
 //   fluence of the sky (r, g, b, 0)
 //   of each base of the sun: its factor under the even sky, and beyond that under the sky (r, g, b)
 //   where no matter is near: four means of the near beam; light of the even sky and of the sky (r, g, b), and that
-//   times its direction: x, y, z
-//   [4 harmonics at a time][light, and times its direction x, y, z][even, r, g, b]: factors of harmonics
+//   times its direction: x, y, z; what the even sky (1) and the sky (r, g, b) give each of the means
+//   [4 harmonics at a time][light, and times its direction x, y, z, and as often as its near beam counts][even, r, g,
+//   b]: factors of harmonics
 
 // What the sky brings to a point: of the even sky, and of the sky (r, g, b).
 struct FlbSkySite {
-    // Means of the near beam, the first of which is the beam itself.
+    // The beam itself.
+    light: vec4<f32>,
+    // Means of the near beam, as often as they count.
     near_0: vec4<f32>,
     near_1: vec4<f32>,
     near_2: vec4<f32>,
@@ -28,7 +31,7 @@ struct FlbSkySite {
 }
 
 // Rows where no matter is near.
-const FLB_SKY_OPEN: u32 = 5u;
+const FLB_SKY_OPEN: u32 = 6u;
 // Words of a mean's harmonics.
 const FLB_SKY_WORDS: u32 = 8u;
 // Least part of the beams around that is taken to fall on a solid.
@@ -45,7 +48,7 @@ fn flb_sky(species: u32, first_term: u32, point_model_m: vec3<f32>, facing: vec3
     let place = flb_locate(species, point_model_m);
     let blocks = flb_blocks(species, place.texel, place.part);
     let fluence = flb_sky_row(rows, 0u).xyz;
-    let site = flb_sky_at(species, rows, 1u + of_sun, place, fluence);
+    let site = flb_sky_at(species, rows, 1u + of_sun, place);
     let stored = flb_sky_base(species, bases, blocks, place);
     var scattered = vec3<f32>(0.0);
     var beyond = vec3<f32>(0.0);
@@ -95,13 +98,13 @@ fn flb_sky_base(species: u32, term: u32, blocks: FlbBlocks, place: FlbPlace) -> 
 // by the cosine, to the first order of directions.
 fn flb_sky_share(site: FlbSkySite, facing: vec3<f32>) -> vec3<f32> {
     let along = facing.x * site.x + facing.y * site.y + facing.z * site.z;
-    let on_solid = max(site.near_0 / 4.0 + along / 2.0, site.near_0 * FLB_SKY_LEAST);
-    let on = select(on_solid, site.near_0, all(facing == vec3<f32>(0.0)));
+    let on_solid = max(site.light / 4.0 + along / 2.0, site.light * FLB_SKY_LEAST);
+    let on = select(on_solid, site.light, all(facing == vec3<f32>(0.0)));
     return select(vec3<f32>(0.0), max(on.yzw / max(on.x, 1e-30), vec3<f32>(0.0)), on.x > 0.0);
 }
 
 // Means over those of the eight sites around a place that hold matter, by their trilinear weights.
-fn flb_sky_at(species: u32, rows: u32, open: u32, place: FlbPlace, fluence: vec3<f32>) -> FlbSkySite {
+fn flb_sky_at(species: u32, rows: u32, open: u32, place: FlbPlace) -> FlbSkySite {
     let means = flb_species[species].sky_means;
     let first = flb_species[species].sky + 1u;
     var site: FlbSkySite;
@@ -130,17 +133,19 @@ fn flb_sky_at(species: u32, rows: u32, open: u32, place: FlbPlace, fluence: vec3
             }
             weights += select(0.0, weight, quarter == 0u);
         }
-        let row = open + FLB_SKY_OPEN + 16u * quarter;
-        site.near_0 += flb_sky_sums(rows, row, own);
-        site.near_1 += flb_sky_sums(rows, row, second);
-        site.near_2 += flb_sky_sums(rows, row, third);
-        site.near_3 += flb_sky_sums(rows, row, fourth);
+        let row = open + FLB_SKY_OPEN + 20u * quarter;
+        site.light += flb_sky_sums(rows, row, own);
+        site.near_0 += flb_sky_sums(rows, row + 16u, own);
+        site.near_1 += flb_sky_sums(rows, row + 16u, second);
+        site.near_2 += flb_sky_sums(rows, row + 16u, third);
+        site.near_3 += flb_sky_sums(rows, row + 16u, fourth);
         site.x += flb_sky_sums(rows, row + 4u, own);
         site.y += flb_sky_sums(rows, row + 8u, own);
         site.z += flb_sky_sums(rows, row + 12u, own);
     }
     if weights > 0.0 {
         return FlbSkySite(
+            site.light / weights,
             site.near_0 / weights,
             site.near_1 / weights,
             site.near_2 / weights,
@@ -150,13 +155,15 @@ fn flb_sky_at(species: u32, rows: u32, open: u32, place: FlbPlace, fluence: vec3
             site.z / weights,
         );
     }
-    // Nothing is beyond an even sky there but what comes from the sky itself; its first mean is 1.
+    // No matter is near: every beam is whole.
     let near = flb_sky_row(rows, open);
+    let of_near = flb_sky_row(rows, open + 5u);
     return FlbSkySite(
         flb_sky_row(rows, open + 1u),
-        near.y * vec4<f32>(1.0, fluence),
-        near.z * vec4<f32>(1.0, fluence),
-        near.w * vec4<f32>(1.0, fluence),
+        near.x * of_near,
+        near.y * of_near,
+        near.z * of_near,
+        near.w * of_near,
         flb_sky_row(rows, open + 2u),
         flb_sky_row(rows, open + 3u),
         flb_sky_row(rows, open + 4u),

@@ -5,18 +5,17 @@
 //! ```
 
 use flb_format::FormatError;
-use flb_format::light::SunBasis;
 
 use super::{GpuError, GpuLight, GpuSpeciesId, SkyOnGpu, Term};
 use crate::entry::known_species;
 use crate::extinction::Extinction;
-use crate::sun_terms::SunTerms;
+use crate::sun_terms::{SpeciesSuns, SunTerms};
 use crate::{Library, RuntimeError};
 
 /// All light of a species that was sent to a [`GpuLight`].
 pub struct GpuSpecies {
     number: GpuSpeciesId,
-    suns: SunBasis,
+    suns: SpeciesSuns,
     is_bounded: bool,
     /// `[base]`: its index for terms.
     indices: Vec<Option<u32>>,
@@ -44,10 +43,10 @@ impl GpuSpecies {
             indices[usize::from(base)] = Some(light.set_base(number, base, &coded)?);
         }
         let model = &entry.meta.model;
-        let (suns, is_bounded) = (model.suns().clone(), model.is_bounded());
-        if suns.has_near_beam() {
+        let (suns, is_bounded) = (SpeciesSuns::of(model), model.is_bounded());
+        if suns.basis().has_near_beam() {
             let turbid = container.read_turbid(source, species).map_err(at_file)?;
-            light.set_extinction(number, &Extinction::of(&turbid), suns.needs_single())?;
+            light.set_extinction(number, &Extinction::of(&turbid), suns.basis().needs_single())?;
         }
         Ok(GpuSpecies { number, suns, is_bounded, indices })
     }
@@ -97,7 +96,7 @@ impl GpuSpecies {
         }
         let Some(of_sun) = SunTerms::of(&self.suns, towards_sun) else { return Ok(0) };
         of_sun.bases().try_for_each(|(base, factor)| push(base, sun * factor))?;
-        of_sun.near_bases().try_for_each(|base| push(base, sun))?;
+        of_sun.near_bases().try_for_each(|base| push(base, sun * of_sun.near_factor()))?;
         Ok(of_sun.near_bases().len() as u32)
     }
 }

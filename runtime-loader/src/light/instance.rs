@@ -190,7 +190,7 @@ impl<'a> InstanceLight<'a> {
         if !self.terms.needs_near() {
             return self;
         }
-        let terms = SunTerms::of_unit(self.species.suns(), self.terms.towards_sun());
+        let terms = SunTerms::of_unit(self.species.species_suns(), self.terms.towards_sun());
         let (Some(sites), Some(terms)) = (self.species.sites(), terms) else { return self };
         let prepared = sun(self.species, sites, terms);
         InstanceLight { prepared: Some((sites, prepared)), ..self }

@@ -22,14 +22,13 @@ use std::thread::{available_parallelism, scope};
 
 use flb_format::beam::{Beam, MAX_MEANS, Near, means};
 use flb_format::blocks::{CodedBase, Cursor};
-use flb_format::light::SunBasis;
 use flb_format::sky_part::SkyPart;
 
 use super::SpeciesLight;
 use crate::RuntimeError;
 use crate::near_beam::{MediumSites, everywhere};
 use crate::resident::ResidentSpecies;
-use crate::sun_terms::{SunTerms, near_bases, unit};
+use crate::sun_terms::{SpeciesSuns, SunTerms, near_bases, unit};
 pub use beams::SkyBeams;
 use beams::SkyFactors;
 #[cfg(feature = "gpu")]
@@ -105,34 +104,35 @@ impl<'a> SkyLight<'a> {
     /// For parts in the frame of the model.
     pub(super) fn new(light: &SpeciesLight, parts: &[SkyPart]) -> Result<SkyLight<'a>, RuntimeError> {
         let medium = checked(light)?;
-        let weights = Weighted::of(parts)?;
+        let suns = light.resident().species_suns();
+        let weights = Weighted::of(suns, parts)?;
         parts.iter().try_for_each(|part| light.check(Some(part.towards), true))?;
         let sites = sites_of(medium, light.resident(), parts, &weights);
-        Ok(SkyLight::with_sites(
-            light.resident().suns(),
-            Arc::clone(medium),
-            parts,
-            weights,
-            OfSites::Summed(sites),
-        ))
+        Ok(SkyLight::with_sites(suns, Arc::clone(medium), parts, weights, OfSites::Summed(sites)))
     }
 
     fn with_sites(
-        suns: &SunBasis,
+        suns: &SpeciesSuns,
         medium: Arc<MediumSites>,
         parts: &[SkyPart],
-        Weighted { weights, mean }: Weighted,
+        Weighted { weights, near, mean }: Weighted,
         sites: OfSites<'a>,
     ) -> SkyLight<'a> {
         let terms = |part: &SkyPart| SunTerms::of(suns, part.towards);
         // Each part has a direction, and so terms.
         let terms: Vec<SunTerms> = parts.iter().filter_map(terms).collect();
         let bases = bases_of(&terms, &weights, mean);
-        let mut open = OfSite { near: everywhere(1.0, suns.needs_single()), ..OfSite::default() };
+        let basis = suns.basis();
+        let mut open = OfSite::default();
+        let [even, sky @ ..] = if basis.is_leaning() { sum_of(&near) } else { with(1.0, mean) };
+        let of_sky: [f32; BANDS] = [0, 1, 2].map(|band| sky[band] - mean[band] * even);
+        let means = everywhere(1.0, basis.needs_single());
+        open.near = means.map(|near| even * near);
+        open.beyond = of_sky.map(|of_sky| means.map(|near| of_sky * near));
         for (part, weights) in parts.iter().zip(&weights) {
             add_moments(&mut open, part.towards, weights, 1.0);
         }
-        SkyLight { medium, near: near_bases(suns), mean, bases, sites, open }
+        SkyLight { medium, near: near_bases(basis), mean, bases, sites, open }
     }
 
     /// Fluence of the sky, R, G, B.
@@ -312,11 +312,13 @@ fn add_moments(site: &mut OfSite, towards: [f64; 3], weights: &Weights, beam: f3
 /// The parts of a sky as weights, and its fluence.
 struct Weighted {
     weights: Vec<Weights>,
+    /// As often as the near beam of each counts.
+    near: Vec<Weights>,
     mean: [f32; BANDS],
 }
 
 impl Weighted {
-    fn of(parts: &[SkyPart]) -> Result<Weighted, RuntimeError> {
+    fn of(suns: &SpeciesSuns, parts: &[SkyPart]) -> Result<Weighted, RuntimeError> {
         if let Some(part) = parts.iter().find(|part| unit(part.towards).is_none()) {
             return Err(RuntimeError::NoDirection { found: part.towards });
         }
@@ -333,9 +335,12 @@ impl Weighted {
             [(part.solid_angle / whole) as f32, red, green, blue]
         };
         let weights: Vec<Weights> = parts.iter().map(of_part).collect();
-        let sum =
-            |band: usize| weights.iter().map(|weights| f64::from(weights[1 + band])).sum::<f64>() as f32;
-        Ok(Weighted { mean: [0, 1, 2].map(sum), weights })
+        let [_, mean @ ..] = sum_of(&weights);
+        let near = parts.iter().zip(&weights).map(|(part, weights)| {
+            let factor = unit(part.towards).map_or(1.0, |towards| suns.near_factor(towards));
+            weights.map(|weight| factor * weight)
+        });
+        Ok(Weighted { mean, near: near.collect(), weights })
     }
 }
 
@@ -388,30 +393,36 @@ fn sites_of(
     medium: &MediumSites,
     species: &ResidentSpecies,
     parts: &[SkyPart],
-    Weighted { weights, mean }: &Weighted,
+    Weighted { weights, near: near_weights, mean }: &Weighted,
 ) -> Vec<OfSite> {
     let single = species.needs_single();
     let near = medium.near(single);
     let mut sites = vec![OfSite::default(); medium.sites().len()];
+    // What the near beam's means are made of: of the even sky, then of each band of the sky.
+    let mut own: [Vec<f32>; 1 + BANDS] = std::array::from_fn(|_| vec![0.0; sites.len()]);
     let towards: Vec<[f64; 3]> = parts.iter().map(|part| part.towards).collect();
     for_each_beam(&near, &towards, |number, beam| {
         for (site, beam) in sites.iter_mut().zip(&beam.mean) {
             add_moments(site, towards[number], &weights[number], *beam);
         }
+        for (own, weight) in own.iter_mut().zip(near_weights[number]) {
+            own.iter_mut().zip(&beam.mean).for_each(|(sum, beam)| *sum += weight * beam);
+        }
     });
     if species.suns().has_near_beam() {
-        add_near(&mut sites, &near, means(single), *mean);
+        add_near(&mut sites, &near, &own, means(single), *mean);
     }
     sites
 }
 
 /// The means of the near beam, which are linear in the beam, of the sums over the sky.
-fn add_near(sites: &mut [OfSite], near: &Near, count: usize, mean: [f32; BANDS]) {
-    // Of the even sky, then of each band of the sky.
-    let own: [Vec<f32>; 1 + BANDS] = std::array::from_fn(|of| match of {
-        0 => sites.iter().map(|site| site.even[0]).collect(),
-        _ => sites.iter().map(|site| site.sky[of - 1][0]).collect(),
-    });
+fn add_near(
+    sites: &mut [OfSite],
+    near: &Near,
+    own: &[Vec<f32>; 1 + BANDS],
+    count: usize,
+    mean: [f32; BANDS],
+) {
     let around = near.around_each(&own.each_ref().map(Vec::as_slice));
     for (place, site) in sites.iter_mut().enumerate() {
         for j in 0..count {
@@ -420,6 +431,16 @@ fn add_near(sites: &mut [OfSite], near: &Near, count: usize, mean: [f32; BANDS])
             (0..BANDS).for_each(|band| site.beyond[band][j] = of(1 + band) - mean[band] * of(0));
         }
     }
+}
+
+/// A number for the even sky and one for each band of the sky.
+fn with(even: f32, [red, green, blue]: [f32; BANDS]) -> Weights {
+    [even, red, green, blue]
+}
+
+/// The sum over all parts.
+fn sum_of(weights: &[Weights]) -> Weights {
+    std::array::from_fn(|of| weights.iter().map(|weights| f64::from(weights[of])).sum::<f64>() as f32)
 }
 
 /// A memory of the blocks last read.

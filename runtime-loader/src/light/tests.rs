@@ -46,7 +46,8 @@ fn kinds() -> Vec<Option<SunBasis>> {
     let list =
         SunDirections::new(corners.to_vec(), triangles.to_vec()).expect("an octahedron covers the sphere");
     let harmonics = [(1, false), (2, false), (2, true), (3, true)];
-    let harmonics = harmonics.map(|(degree, single)| Some(SunBasis::Harmonics { degree, single }));
+    let harmonics =
+        harmonics.map(|(degree, single)| Some(SunBasis::Harmonics { degree, single, leaning: true }));
     [None, Some(SunBasis::Lattice18), Some(SunBasis::Directions(list.into()))]
         .into_iter()
         .chain(harmonics)
@@ -346,7 +347,7 @@ fn a_cursor_has_the_light_of_the_plain_way_but_for_rounding_whatever_was_asked_b
 #[test]
 fn threads_share_one_light() {
     let library = library(
-        &plant("oak", Some(&SunBasis::Harmonics { degree: 2, single: true }), LATTICE, 3),
+        &plant("oak", Some(&SunBasis::Harmonics { degree: 2, single: true, leaning: true }), LATTICE, 3),
         Codec::Classed,
     );
     let species = SpeciesLight::load(&library, 0).expect("it loads");
@@ -369,7 +370,7 @@ fn blown([x, y, z]: [f32; 3], phase: f32) -> [f32; 3] {
 #[test]
 fn a_leaf_asked_for_at_rest_keeps_its_light_in_the_wind_and_in_every_level_of_detail() {
     let library = library(
-        &plant("oak", Some(&SunBasis::Harmonics { degree: 2, single: true }), LATTICE, 3),
+        &plant("oak", Some(&SunBasis::Harmonics { degree: 2, single: true, leaning: true }), LATTICE, 3),
         Codec::Classed,
     );
     let species = SpeciesLight::load(&library, 0).expect("it loads");

@@ -13,8 +13,9 @@ use crate::sampler::SpeciesSampler;
 
 const N: u32 = 16;
 const BANDS: usize = 2;
-const DEGREE_2: SunBasis = SunBasis::Harmonics { degree: 2, single: false };
-const WITH_SINGLE: SunBasis = SunBasis::Harmonics { degree: 2, single: true };
+const DEGREE_2: SunBasis = SunBasis::Harmonics { degree: 2, single: false, leaning: true };
+const WITH_SINGLE: SunBasis = SunBasis::Harmonics { degree: 2, single: true, leaning: true };
+const UPRIGHT: SunBasis = SunBasis::Harmonics { degree: 2, single: true, leaning: false };
 /// Up to 14 products of magnitude 1, each of a sum of 64.
 const ROUNDING: f32 = 2e-5;
 
@@ -115,7 +116,10 @@ fn light_in_the_middle_of_a_site_is_the_sum_of_the_specification() {
     let (turbid, direction) = (turbid(), [0.48, 0.6, -0.64]);
     let sites = turbid.sites();
     let y = harmonics::evaluate(direction);
-    let cases = Codec::ALL.map(|codec| (codec, DEGREE_2)).into_iter().chain([(Codec::RawF32, WITH_SINGLE)]);
+    let cases = Codec::ALL
+        .map(|codec| (codec, DEGREE_2))
+        .into_iter()
+        .chain([(Codec::RawF32, WITH_SINGLE), (Codec::RawF32, UPRIGHT)]);
     for (codec, suns) in cases {
         let fields = fields(&suns);
         let beam = Near::new(&turbid, &sites, suns.needs_single()).beam(direction, 2);
@@ -133,7 +137,9 @@ fn light_in_the_middle_of_a_site_is_the_sum_of_the_specification() {
                 let smooth: f32 = (0..9).map(|k| of(1 + k) * y[k] as f32).sum();
                 let sharp: f32 =
                     (0..means(suns.needs_single())).map(|j| of(10 + j) * beam.mean(j, place)).sum();
-                let expected = (2.0 * (smooth + sharp) + 0.25 * of(0)).max(0.0);
+                let factor =
+                    if suns.is_leaning() { turbid.angles.relative(direction[1]) as f32 } else { 1.0 };
+                let expected = (2.0 * (smooth + factor * sharp) + 0.25 * of(0)).max(0.0);
                 assert!(
                     (found - expected).abs() < ROUNDING,
                     "{codec:?}, {suns:?}, {site}: {found} for {expected}"
@@ -162,7 +168,7 @@ fn light_is_never_below_zero() {
 
 /// With b_0 = 1 and all else 0 the light is near_0 itself.
 fn beam_alone() -> SpeciesFields {
-    let mut fields = fields(&DEGREE_2);
+    let mut fields = fields(&SunBasis::Harmonics { degree: 2, single: false, leaning: false });
     fields
         .bases
         .iter_mut()

@@ -370,7 +370,7 @@ fn squares(suns: &SunBasis, towards_sun: [f32; 3], items: usize) -> Vec<f32> {
     let direction = towards_sun.map(f64::from);
     let mut squares = vec![0.0; items];
     match suns {
-        SunBasis::Harmonics { degree, single } => {
+        SunBasis::Harmonics { degree, single, .. } => {
             let count = harmonics::count(*degree);
             let y = harmonics::evaluate(direction);
             squares[1..].iter_mut().zip(&y[..count]).for_each(|(square, y)| *square = (y * y) as f32);

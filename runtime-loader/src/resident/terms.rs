@@ -160,7 +160,7 @@ impl Terms {
             species.place(item).into_iter().for_each(|place| self.push(place, y * shown));
         }
         self.near = Some((first as u8, near.len() as u8));
-        self.near_factor = shown;
+        self.near_factor = shown * of_sun.near_factor();
         shown
     }
 

@@ -18,7 +18,7 @@ const OTHER: AddedSun = AddedSun { sun_deg: [250.0, 15.0], irradiance: [0.125, 0
 const NIGHT_DEG: [f64; 2] = [120.0, -5.0];
 
 fn stands() -> [Stage; 3] {
-    let harmonics = SunBasis::Harmonics { degree: 2, single: true };
+    let harmonics = SunBasis::Harmonics { degree: 2, single: true, leaning: true };
     [stand_of_paper(), stand_of(&SunBasis::Lattice18), stand_of(&harmonics)]
 }
 
@@ -87,7 +87,7 @@ fn a_sun_of_a_colour_and_a_further_sun_add_up_to_what_each_gives_alone() {
 
 #[test]
 fn a_colour_of_the_sun_is_multiplied_with_that_of_a_clear_sky() {
-    let stage = stand_of(&SunBasis::Harmonics { degree: 2, single: true });
+    let stage = stand_of(&SunBasis::Harmonics { degree: 2, single: true, leaning: true });
     let of = |irradiance| {
         let mut look = look(&stage, StageSky::clear(3.0).expect("a sky"));
         look.look = Look { indirect: Indirect::Off, has_sky: false, ..Look::default() };

@@ -70,7 +70,7 @@ fn a_gpu_that_kept_camera_and_shade_paints_each_shot_as_a_fresh_one() {
 
 #[test]
 fn under_a_clear_sky_a_gpu_paints_what_the_cpu_does() {
-    let (stand, gpu) = (stand_of(&SunBasis::Harmonics { degree: 2, single: true }), gpu());
+    let (stand, gpu) = (stand_of(&SunBasis::Harmonics { degree: 2, single: true, leaning: true }), gpu());
     let clear = || Painter::new(&stand, look(&stand, StageSky::clear(3.0).expect("a sky")), 8 << 20);
     let [mut on_gpu, mut on_cpu] = [clear(), clear()].map(|painter| painter.expect("a painter"));
     on_gpu.send(&gpu, true).unwrap_or_else(|error| panic!("{error}"));

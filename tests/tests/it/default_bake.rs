@@ -250,7 +250,7 @@ fn plans_and_scattered_plants_are_golden() {
 fn scene_light_is_golden() {
     let ball = Kind::ball("ball", 32, 0.5, 2.0);
     let stand = Stand::in_step(vec![ball], &[(0, 0, [0.0, 0.0]), (0, 1, [1.5, 0.4])]);
-    let library = stand.library(32, &SunBasis::Harmonics { degree: 1, single: true });
+    let library = stand.library(32, &SunBasis::Harmonics { degree: 1, single: true, leaning: false });
     let container = library.container();
     let mut text = String::new();
     for (index, species) in container.species().iter().enumerate() {
@@ -300,7 +300,7 @@ fn forests_over_water_are_golden() {
     assert!(scene.species.iter().zip(&*PLANTS).all(|(species, (name, _))| species.name == *name));
     let kinds = PLANTS.iter().map(|(_, plant)| Kind::of(&plant.baked.fields)).collect();
     let stand = Stand { kinds, instances: scene.instances.clone(), ground: None };
-    let neighbours = stand.library(16, &SunBasis::Harmonics { degree: 1, single: true });
+    let neighbours = stand.library(16, &SunBasis::Harmonics { degree: 1, single: true, leaning: false });
     let neighbours = SceneLight::load(&neighbours).expect("scene light");
     let (prepared, placed) = (neighbours.prepare(stand.names()), &stand.instances);
 

@@ -19,7 +19,7 @@ fn ball() -> Mesh {
 
 fn settings(lattice: u32) -> BakeSettings {
     let model = PhysicalSettings {
-        suns: SunChoice::Fixed(SunBasis::Harmonics { degree: 1, single: true }),
+        suns: SunChoice::Fixed(SunBasis::Harmonics { degree: 1, single: true, leaning: false }),
         ordinates: Ordinates::Lebedev50,
         ..PhysicalSettings::default()
     };

@@ -13,7 +13,7 @@ use flb_transport::ordinates::SunBasis;
 use flb_transport::turbid::scatter;
 
 /// As `flb bake-scene` has it by default.
-const SUNS: SunBasis = SunBasis::Harmonics { degree: 1, single: false };
+const SUNS: SunBasis = SunBasis::Harmonics { degree: 1, single: false, leaning: false };
 /// A low sun in the east.
 const EAST: [f64; 2] = [90.0, 20.0];
 

@@ -1,6 +1,7 @@
 //! What can be wrong with the input of a solve.
 
 use flb_format::bases::BaseSet;
+use flb_format::light::FieldKind;
 use flb_format::matter::TurbidMedium;
 use flb_format::progress::Cancelled;
 use flb_format::sun::harmonics::MAX_DEGREE;
@@ -128,6 +129,9 @@ pub(super) fn check(
         }
         SunBasis::Harmonics { degree, .. } if !(1..=MAX_DEGREE).contains(&degree) => {
             setting("degree", degree.to_string(), "1 to 3")
+        }
+        SunBasis::Harmonics { leaning: true, .. } if settings.field == FieldKind::Total => {
+            setting("leaning", "true".to_owned(), "false in fields that hold the beam")
         }
         _ => Ok(()),
     }

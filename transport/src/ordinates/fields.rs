@@ -40,9 +40,10 @@ impl Making<'_> {
         let totals = lit.iter().map(|lit| total::of_suns(&lit.light[..fitted], plan, beams, settings));
         let totals: Vec<_> = totals.collect();
         let mut fits = match settings.suns {
-            SunBasis::Harmonics { degree, single } => {
+            SunBasis::Harmonics { degree, single, leaning } => {
+                let terms = Terms { degree, single, leaning };
                 let lights: Vec<&[Vec<f32>]> = lit.iter().map(|lit| &lit.light[..fitted]).collect();
-                fit::fit(&plan.suns[..fitted], Terms { degree, single }, &beams[..fitted], &lights)
+                fit::fit(&plan.suns[..fitted], terms, &beams[..fitted], &lights)
             }
             SunBasis::Lattice18 | SunBasis::Directions(_) => Vec::new(),
         }
@@ -89,8 +90,8 @@ impl Making<'_> {
                 let blend = list.blend(plan.suns[i].towards).expect("a unit vector has a blend");
                 blended(&blend, blend.bases.map(|base| of_suns[usize::from(base) - 1].as_slice()))
             })),
-            &SunBasis::Harmonics { degree, single } => {
-                let terms = Terms { degree, single };
+            &SunBasis::Harmonics { degree, single, leaning } => {
+                let terms = Terms { degree, single, leaning };
                 Some(judged_by(&|i| evaluate(&of_suns, terms, plan.suns[i].towards, &beams[i])))
             }
         };

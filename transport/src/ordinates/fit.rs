@@ -1,8 +1,9 @@
 //! From the light of many suns to few fields: least squares, site by site.
 //!
 //! The scattered fluence of a site under the sun s is fitted by `sum over k of c_k Y_k(s) + sum over j of b_j
-//! near_j(s)`, with the harmonics of the sun's direction and the means of [`flb_format::beam`]. c_k and b_j are the
-//! fields that a file stores. The suns stand at the points of a quadrature of the sphere, and count by its weights.
+//! near_j(s)`, with the harmonics of the sun's direction and the means of [`flb_format::beam`], which count as often as
+//! leaves meet the beam where fields lean. c_k and b_j are the fields that a file stores. The suns stand at the points
+//! of a quadrature of the sphere, and count by its weights.
 
 use flb_format::beam::{MAX_MEANS, NearBeam, means};
 use flb_format::sun::harmonics;
@@ -34,6 +35,15 @@ pub struct Terms {
     pub degree: u8,
     /// Whether the light scattered once is fitted as a fifth mean.
     pub single: bool,
+    /// Whether the near beam counts as often as leaves meet it.
+    pub leaning: bool,
+}
+
+impl Terms {
+    /// What each mean of a near beam is multiplied by.
+    pub(super) fn near_factor(self, near: &NearBeam) -> f32 {
+        if self.leaning { near.relative } else { 1.0 }
+    }
 }
 
 /// Most bands that are fitted at once.
@@ -58,8 +68,9 @@ pub(super) fn fit(
             for (i, sun) in suns.iter().enumerate() {
                 let mut row = [0.0_f64; MAX_VALUES];
                 row[..harmonics_count].copy_from_slice(&values[i][..harmonics_count]);
+                let factor = terms.near_factor(&near[i]);
                 for j in 0..means(terms.single) {
-                    row[harmonics_count + j] = f64::from(near[i].mean(j, site));
+                    row[harmonics_count + j] = f64::from(factor * near[i].mean(j, site));
                 }
                 for a in 0..unknowns {
                     let weighted = sun.weight * row[a];
@@ -86,12 +97,12 @@ pub(super) fn fit(
 /// Scattered fluence under a sun, per site, from fitted fields.
 pub fn evaluate(fields: &[Vec<f32>], terms: Terms, towards_sun: [f64; 3], near: &NearBeam) -> Vec<f32> {
     let y = harmonics::evaluate(towards_sun);
-    let count = harmonics::count(terms.degree);
+    let (count, factor) = (harmonics::count(terms.degree), terms.near_factor(near));
     (0..near.beam.mean.len())
         .map(|site| {
             let smooth: f32 = (0..count).map(|k| y[k] as f32 * fields[k][site]).sum();
             let sharp: f32 =
-                (0..means(terms.single)).map(|j| near.mean(j, site) * fields[count + j][site]).sum();
+                (0..means(terms.single)).map(|j| factor * near.mean(j, site) * fields[count + j][site]).sum();
             smooth + sharp
         })
         .collect()

@@ -1,5 +1,7 @@
 //! Names of the usual bases of the sun's direction.
 
+use flb_format::matter::LeafAngles;
+
 use super::SunBasis;
 use super::icosahedron::{ico12, ico42};
 
@@ -41,9 +43,9 @@ impl NamedSuns {
         NamedSuns::Sh3s,
     ];
 
-    /// Returns the basis.
+    /// Returns the basis; a near beam leans with the leaves' inclinations.
     pub fn basis(self) -> SunBasis {
-        let harmonics = |degree, single| SunBasis::Harmonics { degree, single };
+        let harmonics = |degree, single| SunBasis::Harmonics { degree, single, leaning: true };
         match self {
             NamedSuns::Lattice18 => SunBasis::Lattice18,
             NamedSuns::Ico12 => ico12(),
@@ -57,9 +59,11 @@ impl NamedSuns {
         }
     }
 
-    /// Returns the name of a basis that has one.
+    /// Returns the name of a basis that has one, whether its near beam leans or not.
     pub fn of(basis: &SunBasis) -> Option<NamedSuns> {
-        NamedSuns::ALL.into_iter().find(|suns| suns.basis() == *basis)
+        let upright = |basis: SunBasis| basis.of_leaves(&LeafAngles::spherical());
+        let basis = upright(basis.clone());
+        NamedSuns::ALL.into_iter().find(|suns| upright(suns.basis()) == basis)
     }
 
     /// Returns the name: one lower-case word.

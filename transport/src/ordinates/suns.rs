@@ -112,7 +112,7 @@ mod tests {
     #[test]
     fn suns_of_a_fit_integrate_the_products_of_its_harmonics() {
         for (degree, suns) in [(1, 26), (2, 50), (3, 50)] {
-            let plan = plan(SunBasis::Harmonics { degree, single: false });
+            let plan = plan(SunBasis::Harmonics { degree, single: false, leaning: false });
             assert_eq!(plan.fitted(), suns);
             assert!(plan.held_out() >= 5);
             for a in 0..harmonics::count(degree) {

@@ -73,7 +73,7 @@ const FINE18: OrdinatesSettings = OrdinatesSettings { ordinates: Ordinates::Lebe
 #[test]
 fn what_absorbs_everything_scatters_nothing() {
     let medium = ball(16, 3.0);
-    let settings = OrdinatesSettings { field: FieldKind::Total, ..OrdinatesSettings::default() };
+    let settings = OrdinatesSettings::of_field(FieldKind::Total);
     let solution = solved(&medium, both(0.0, Phase::ISOTROPIC), &settings);
     let sites = medium.sites();
     let near = Near::new(&medium, &sites, false);
@@ -117,8 +117,7 @@ fn matter_that_absorbs_nothing_stays_in_balance_with_the_sky() {
 #[test]
 fn the_mean_over_all_suns_is_the_sky() {
     let medium = clumps(32);
-    let settings =
-        OrdinatesSettings { field: FieldKind::Total, tolerance: 1e-4, ..OrdinatesSettings::default() };
+    let settings = OrdinatesSettings { tolerance: 1e-4, ..OrdinatesSettings::of_field(FieldKind::Total) };
     let solution = solved(&medium, both(0.8, Phase::ISOTROPIC), &settings);
     let sites = medium.sites();
     let near = super::near(&medium, &sites, settings.suns.needs_single());
@@ -155,7 +154,10 @@ fn a_mirrored_plant_has_mirrored_light_along_lattice_directions() {
 }
 
 fn harmonics(degree: u8, single: bool) -> OrdinatesSettings {
-    OrdinatesSettings { suns: SunBasis::Harmonics { degree, single }, ..OrdinatesSettings::default() }
+    OrdinatesSettings {
+        suns: SunBasis::Harmonics { degree, single, leaning: false },
+        ..OrdinatesSettings::default()
+    }
 }
 
 /// Gate of the model: fluence within 2 % in bias and 3 % in rms of Monte Carlo. `cargo bench -p flb-baker --bench
@@ -410,7 +412,7 @@ fn bad_input_is_refused_by_name() {
     refused(
         &good,
         &[scatter],
-        &of(|s| s.suns = SunBasis::Harmonics { degree: 4, single: false }),
+        &of(|s| s.suns = SunBasis::Harmonics { degree: 4, single: false, leaning: false }),
         "degree is 4, expected 1 to 3",
     );
     let message = "bases is {0, 4}, expected all, as only lattice directions may be left out";

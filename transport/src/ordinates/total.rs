@@ -4,6 +4,7 @@ use flb_format::beam::{NearBeam, means};
 use flb_format::sun::harmonics;
 use rayon::prelude::*;
 
+use super::fit::Terms;
 use super::{OrdinatesSettings, SunBasis, suns};
 
 /// Scattered light and beam together at the non-empty sites: of the sky, and of every field of suns but those of the
@@ -15,8 +16,12 @@ pub struct TotalLight {
     pub items: Vec<u8>,
     /// `[band][item][site]`.
     pub values: Vec<Vec<Vec<f32>>>,
-    /// Projection of each mean of the near beam on each harmonic, `[harmonic][mean][site]`; empty without harmonics.
+    /// Projection of each mean of the near beam, as often as it counts, on each harmonic, `[harmonic][mean][site]`;
+    /// empty without harmonics.
     pub near: Vec<Vec<Vec<f32>>>,
+    /// Light of the beams that leaves meet beyond what `values` hold of it, as they favour an inclination; negative where
+    /// they meet less. `[item of the suns][site]`; empty where they favour none.
+    pub beyond: Vec<Vec<f32>>,
     /// Light of the sky that has met nothing, `[site]`; empty without a sky.
     pub open_sky: Vec<f32>,
 }
@@ -28,29 +33,31 @@ pub(super) fn of_suns(
     beams: &[NearBeam],
     settings: &OrdinatesSettings,
 ) -> Vec<Vec<f32>> {
-    let suns = plan.suns.iter().zip(light).zip(beams).take(plan.fitted());
-    match settings.suns {
-        SunBasis::Lattice18 | SunBasis::Directions(_) => suns
-            .map(|((_, light), near)| {
-                light.iter().zip(&near.beam.mean).map(|(scattered, direct)| scattered + direct).collect()
-            })
-            .collect(),
-        SunBasis::Harmonics { degree, .. } => {
-            let mut fields = vec![vec![0.0_f32; beams[0].beam.mean.len()]; harmonics::count(degree)];
-            for ((sun, light), near) in suns {
-                let values = harmonics::evaluate(sun.towards);
-                fields.par_iter_mut().zip(values).for_each(|(field, value)| {
-                    let weight = (sun.weight * value) as f32;
-                    let lit = light.iter().zip(&near.beam.mean);
-                    field
-                        .iter_mut()
-                        .zip(lit)
-                        .for_each(|(sum, (light, beam))| *sum += weight * (light + beam));
-                });
-            }
-            fields
-        }
+    let direct = |sun: usize, site: usize| beams[sun].beam.mean[site];
+    projected(plan, beams, settings, |sun, site| light[sun][site] + direct(sun, site))
+}
+
+/// Light of the suns that fields are made from, by sun and site, as light of the items.
+fn projected(
+    plan: &suns::SolvePlan,
+    beams: &[NearBeam],
+    settings: &OrdinatesSettings,
+    light: impl Fn(usize, usize) -> f32 + Sync,
+) -> Vec<Vec<f32>> {
+    let sites = beams.first().map_or(0, |near| near.beam.mean.len());
+    let of_sun = |sun: usize| (0..sites).map(|site| light(sun, site)).collect();
+    let SunBasis::Harmonics { degree, .. } = settings.suns else {
+        return (0..plan.fitted()).into_par_iter().map(of_sun).collect();
+    };
+    let mut fields = vec![vec![0.0_f32; sites]; harmonics::count(degree)];
+    for (number, sun) in plan.suns.iter().enumerate().take(plan.fitted()) {
+        let values = harmonics::evaluate(sun.towards);
+        fields.par_iter_mut().zip(values).for_each(|(field, value)| {
+            let weight = (sun.weight * value) as f32;
+            field.iter_mut().enumerate().for_each(|(site, sum)| *sum += weight * light(number, site));
+        });
     }
+    fields
 }
 
 /// The means of the near beam projected on each harmonic, `[harmonic][mean][site]`; nothing where there are none.
@@ -59,17 +66,31 @@ pub(super) fn of_near(
     beams: &[NearBeam],
     settings: &OrdinatesSettings,
 ) -> Vec<Vec<Vec<f32>>> {
-    let SunBasis::Harmonics { degree, single } = settings.suns else { return Vec::new() };
+    let SunBasis::Harmonics { degree, single, leaning } = settings.suns else { return Vec::new() };
+    let terms = Terms { degree, single, leaning };
     let sites = beams[0].beam.mean.len();
     let suns: Vec<_> = plan.suns.iter().zip(beams).take(plan.fitted()).collect();
     let projected = |harmonic: usize, mean: usize| {
         let mut values = vec![0.0_f32; sites];
         for (sun, near) in &suns {
             let weight = (sun.weight * harmonics::evaluate(sun.towards)[harmonic]) as f32;
+            let weight = weight * terms.near_factor(near);
             values.iter_mut().enumerate().for_each(|(site, sum)| *sum += weight * near.mean(mean, site));
         }
         values
     };
     let of_harmonic = |harmonic| (0..means(single)).map(|mean| projected(harmonic, mean)).collect();
     (0..harmonics::count(degree)).into_par_iter().map(of_harmonic).collect()
+}
+
+/// See [`TotalLight::beyond`].
+pub(super) fn beyond(
+    plan: &suns::SolvePlan,
+    beams: &[NearBeam],
+    settings: &OrdinatesSettings,
+) -> Vec<Vec<f32>> {
+    if beams[..plan.fitted()].iter().all(|near| near.relative == 1.0) {
+        return Vec::new();
+    }
+    projected(plan, beams, settings, |sun, site| (beams[sun].relative - 1.0) * beams[sun].beam.mean[site])
 }

@@ -39,6 +39,10 @@ pub(super) fn check_light(light: &Light) -> Result<(), MetaFault> {
     if let SunBasis::Harmonics { degree, .. } = light.suns {
         rule((1..=MAX_DEGREE).contains(&degree), named("suns.degree"), &degree, "1 to 3")?;
     }
+    let leaning = light.suns.is_leaning();
+    let fits = light.suns == light.suns.clone().of_leaves(&light.leaf_angles).of_field(light.field);
+    let expected = "none, where leaf_angles are \"spherical\" or field is \"total\"";
+    rule(fits, named("suns.leaning"), &leaning, expected)?;
     let error = &light.error;
     let mut shares = vec![("error.suns_rms", error.suns_rms), ("error.solver", error.solver)];
     if let Some(measured) = &error.monte_carlo {

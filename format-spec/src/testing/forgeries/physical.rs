@@ -16,8 +16,13 @@ pub(super) fn add(list: &mut List) {
     feature("raw-f16", words, FEATURE_PHYSICAL);
     let words = "feature bit 2 (raw-f16) is true, but the codecs of bases say false";
     feature(PHYSICAL, words, FEATURE_PHYSICAL | FEATURE_RAW_F16);
+    let words = "feature bit 4 (leaning) is false, but the metadata say true";
+    feature("leaning", words, FEATURE_PHYSICAL);
+    let words = "feature bit 4 (leaning) is true, but the metadata say false";
+    feature(PHYSICAL, words, FEATURE_PHYSICAL | FEATURE_LEANING);
     items(list);
     light(list);
+    leaning(list);
     let mut of = list.of(PHYSICAL);
     of.payload((KIND_MEDIUM, 5), 5006, "wood_extinction of species 0", |values| {
         let at = values.len() - 4;
@@ -92,4 +97,17 @@ fn light(list: &mut List) {
     swap("surfaces[1].name is red, expected a name that no band before", "near infrared", "red");
     let left_out = "\"left_out\":{\"bands\":[],\"bases\":[5],\"reason\":\"r\"},\"light\":";
     swap("left_out.bases is {5}, expected []", "\"light\":", left_out);
+}
+
+/// Near beams that lean in light that cannot.
+fn leaning(list: &mut List) {
+    let mut of = list.of("leaning");
+    let text = of.text();
+    let words = "light.suns.leaning is true, expected";
+    let angles = piece(&text, "\"leaf_angles\":", "]");
+    of.swap(5003, words, angles, "\"leaf_angles\":\"spherical\"");
+    of.swap(5003, words, "\"scattered\",\"leaf", "\"total\",\"leaf");
+    let leaning = "\"leaning\":true";
+    of.swap(5003, "light.suns of kind", leaning, "\"leaning\":false");
+    of.swap(5003, "expected a boolean", leaning, "\"leaning\":1");
 }

@@ -171,7 +171,7 @@ fn a_gpu_that_is_full_keeps_what_it_has_and_says_so() {
 
 #[test]
 fn harmonics_of_the_highest_degree_and_the_sky_are_all_summed() {
-    let suns = SunBasis::Harmonics { degree: 3, single: true };
+    let suns = SunBasis::Harmonics { degree: 3, single: true, leaning: true };
     let library = library(&[plant("pine", Some(&suns), 16, 4)], Codec::Classed);
     let (gpu, light) = open(SETTINGS);
     let mut stage =

@@ -116,7 +116,7 @@ fn means_of_the_near_beam_are_those_of_the_cpu() {
 fn light_of_harmonics_is_that_of_the_cpu() {
     let gpu = probe::gpu();
     for single in [false, true] {
-        let suns = SunBasis::Harmonics { degree: 2, single };
+        let suns = SunBasis::Harmonics { degree: 2, single, leaning: true };
         let library = library(&[plant("oak", Some(&suns), 32, 7)], Codec::Classed);
         let (container, source) = (library.container(), library.source());
         let sampler = PhysicalSampler::load(&library, 0).expect("it loads");
@@ -125,7 +125,10 @@ fn light_of_harmonics_is_that_of_the_cpu() {
         let species = light.add_species(sampler.grid(), &shared).expect("there is room");
         light.set_extinction(species, &Extinction::of(sampler.turbid()), single).expect("there is room");
         let y = flb_format::sun::harmonics::evaluate(SUN);
-        let factors = y[..9].iter().map(|y| 1.5 * *y as f32).chain([1.5; 4]);
+        let factors = y[..9]
+            .iter()
+            .map(|y| 1.5 * *y as f32)
+            .chain([1.5 * suns.near_factor(&sampler.turbid().angles, SUN[1]); 4]);
         let mut terms = Vec::new();
         let near_count = if single { 3 } else { 4 };
         for (item, factor) in (1..1 + 9 + near_count as u8).zip(factors) {

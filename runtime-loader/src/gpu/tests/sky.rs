@@ -51,8 +51,10 @@ fn points() -> Vec<[f32; 4]> {
 #[test]
 fn light_of_an_uneven_sky_is_that_of_the_cpu() {
     let gpu = probe::gpu();
-    let directions = SunBasis::Harmonics { degree: 3, single: false };
-    for suns in [SunBasis::Lattice18, SunBasis::Harmonics { degree: 2, single: true }, directions] {
+    let directions = SunBasis::Harmonics { degree: 3, single: false, leaning: true };
+    for suns in
+        [SunBasis::Lattice18, SunBasis::Harmonics { degree: 2, single: true, leaning: true }, directions]
+    {
         let library = library(&[plant("plant", Some(&suns), LATTICE, 3)], Codec::Classed);
         let mut light = GpuLight::new(&gpu.device, &gpu.queue, LightSettings::default()).expect("buffers");
         let on_gpu = GpuSpecies::load(&mut light, &library, 0).expect("it fits");
@@ -93,7 +95,7 @@ fn light_of_an_uneven_sky_is_that_of_the_cpu() {
 #[test]
 fn beams_of_a_sky_go_with_the_extinction_and_their_memory_comes_back() {
     let gpu = probe::gpu();
-    let suns = SunBasis::Harmonics { degree: 2, single: true };
+    let suns = SunBasis::Harmonics { degree: 2, single: true, leaning: true };
     let library = library(&[plant("plant", Some(&suns), LATTICE, 3)], Codec::Classed);
     let species = SpeciesLight::load(&library, 0).expect("a sound file");
     let beams = species.sky_beams().expect("a physical file");

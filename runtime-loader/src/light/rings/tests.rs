@@ -11,7 +11,7 @@ const SINGLE: [bool; 2] = [true, false];
 
 /// A plant whose suns are harmonics; its fields are no light, but its near beams are.
 fn species(single: bool) -> SpeciesLight<'static> {
-    let suns = SunBasis::Harmonics { degree: 2, single };
+    let suns = SunBasis::Harmonics { degree: 2, single, leaning: true };
     let library =
         crate::plants::library(&[plant("oak", Some(&suns), LATTICE, 7)], flb_format::Codec::Classed);
     SpeciesLight::load(&library, 0).expect("a sound file")

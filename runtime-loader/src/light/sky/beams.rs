@@ -16,15 +16,15 @@ use std::sync::Arc;
 use flb_format::Transform;
 use flb_format::beam::single::BESIDE;
 use flb_format::beam::{MAX_MEANS, means};
-use flb_format::light::SunBasis;
 use flb_format::ordinates::Ordinates;
 use flb_format::sky_part::SkyPart;
 use flb_format::sun::harmonics::{MAX_DEGREE, count, evaluate};
 
-use super::{BANDS, OfSite, OfSites, SkyLight, Weighted, Weights, checked, for_each_beam, in_order};
+use super::{BANDS, OfSite, OfSites, SkyLight, Weighted, checked, for_each_beam, in_order};
 use crate::RuntimeError;
 use crate::light::SpeciesLight;
 use crate::near_beam::MediumSites;
+use crate::sun_terms::SpeciesSuns;
 
 /// Harmonics of a beam.
 pub(super) const HARMONICS: usize = count(MAX_DEGREE);
@@ -34,15 +34,20 @@ pub(super) type Harmonics = [f32; HARMONICS];
 
 /// The beams of a species, for the skies over many plants.
 pub struct SkyBeams {
-    suns: SunBasis,
+    suns: SpeciesSuns,
     medium: Arc<MediumSites>,
     /// Of the beam and of the near means, `[mean][place]`.
     means: Vec<Vec<Harmonics>>,
 }
 
 /// What a sky gives each harmonic of the beams that come to a plant: of the even sky and of each band, the light and
-/// the light times its direction.
-pub(super) struct SkyFactors(pub(super) [[Harmonics; 4]; 1 + BANDS]);
+/// the light times its direction, and the light as often as its near beam counts.
+pub(super) struct SkyFactors(pub(super) [[Harmonics; PARTS]; 1 + BANDS]);
+
+/// What a sky gives a harmonic: light, that times x, y and z, and [`NEAR`].
+pub(super) const PARTS: usize = 5;
+/// Light as often as its near beam counts.
+const NEAR: usize = 4;
 
 impl SkyBeams {
     pub(in crate::light) fn new(light: &SpeciesLight) -> Result<SkyBeams, RuntimeError> {
@@ -51,8 +56,8 @@ impl SkyBeams {
         let towards: Vec<[f64; 3]> = ordinates.iter().map(|ordinate| ordinate.direction).collect();
         // Before the long work: a stream asks each frame until all is there.
         towards.iter().try_for_each(|towards| light.check(Some(*towards), true))?;
-        let suns = light.resident().suns();
-        let single = suns.needs_single();
+        let suns = light.resident().species_suns();
+        let single = suns.basis().needs_single();
         let near = medium.near(single);
         let mut own = vec![[0.0; HARMONICS]; medium.sites().len()];
         for_each_beam(&near, &towards, |number, beam| {
@@ -62,7 +67,7 @@ impl SkyBeams {
             }
         });
         let mut all = vec![own];
-        if suns.has_near_beam() {
+        if suns.basis().has_near_beam() {
             let more = means(single) - 1;
             all.resize_with(1 + more, || vec![[0.0; HARMONICS]; medium.sites().len()]);
             let (own, around) = all.split_at_mut(1);
@@ -98,8 +103,8 @@ impl SkyBeams {
             ..*part
         };
         let parts: Vec<SkyPart> = parts.iter().map(in_model).collect();
-        let weights = Weighted::of(&parts)?;
-        let factors = OfSites::Beams(self, Box::new(SkyFactors::of(&parts, &weights.weights)));
+        let weights = Weighted::of(&self.suns, &parts)?;
+        let factors = OfSites::Beams(self, Box::new(SkyFactors::of(&parts, &weights)));
         Ok(SkyLight::with_sites(&self.suns, Arc::clone(&self.medium), &parts, weights, factors))
     }
 
@@ -123,7 +128,7 @@ impl SkyBeams {
     /// Whether the near beam needs light scattered once.
     #[cfg(feature = "gpu")]
     pub(crate) fn needs_single(&self) -> bool {
-        self.suns.needs_single()
+        self.suns.basis().needs_single()
     }
 
     /// What a sky of such fluence brings to a point; `None` where no matter is near.
@@ -145,7 +150,7 @@ impl SkyBeams {
             return None;
         }
         sums.iter_mut().flatten().for_each(|sum| *sum /= weights);
-        let moments = |of: &[Harmonics; 4]| [0, 1, 2, 3].map(|part| dot(&sums[0], &of[part]));
+        let moments = |of: &[Harmonics; PARTS]| [0, 1, 2, 3].map(|part| dot(&sums[0], &of[part]));
         let [even, sky @ ..] = &factors.0;
         let mut site = OfSite {
             even: moments(even),
@@ -153,9 +158,9 @@ impl SkyBeams {
             ..OfSite::default()
         };
         for (j, sum) in sums.iter().enumerate().take(self.means.len()) {
-            site.near[j] = dot(sum, &even[0]);
+            site.near[j] = dot(sum, &even[NEAR]);
             (0..BANDS).for_each(|band| {
-                site.beyond[band][j] = dot(sum, &sky[band][0]) - fluence[band] * site.near[j];
+                site.beyond[band][j] = dot(sum, &sky[band][NEAR]) - fluence[band] * site.near[j];
             });
         }
         Some(site)
@@ -164,14 +169,15 @@ impl SkyBeams {
 
 impl SkyFactors {
     /// Of parts in the frame of the model.
-    fn of(parts: &[SkyPart], weights: &[Weights]) -> SkyFactors {
-        let mut sums = [[[0.0f64; HARMONICS]; 4]; 1 + BANDS];
-        for (part, weights) in parts.iter().zip(weights) {
+    fn of(parts: &[SkyPart], weighted: &Weighted) -> SkyFactors {
+        let mut sums = [[[0.0f64; HARMONICS]; PARTS]; 1 + BANDS];
+        for (part, (weights, near)) in parts.iter().zip(weighted.weights.iter().zip(&weighted.near)) {
             let [x, y, z] = part.towards;
             let harmonics = evaluate(part.towards);
-            for (sums, weight) in sums.iter_mut().zip(weights) {
-                for (sum, along) in sums.iter_mut().zip([1.0, x, y, z]) {
-                    let factor = along * f64::from(*weight);
+            for (sums, (weight, near)) in sums.iter_mut().zip(weights.iter().zip(near)) {
+                let weight = f64::from(*weight);
+                let factors = [weight, x * weight, y * weight, z * weight, f64::from(*near)];
+                for (sum, factor) in sums.iter_mut().zip(factors) {
                     sum.iter_mut().zip(&harmonics).for_each(|(sum, y)| *sum += factor * y);
                 }
             }

@@ -2,11 +2,11 @@
 
 use flb_format::beam::MAX_MEANS;
 
-use super::beams::HARMONICS;
-use super::{BANDS, OfSites, SkyLight};
+use super::beams::{HARMONICS, PARTS};
+use super::{OfSites, SkyLight, with};
 
 /// Rows besides those of bases: of the fluence, of places without matter, of the harmonics.
-pub(crate) const OTHER_ROWS: usize = 1 + 5 + 4 * HARMONICS;
+pub(crate) const OTHER_ROWS: usize = 1 + 6 + PARTS * HARMONICS;
 
 /// The bases and the rows of a sky, in the order of gpu/sky.wgsl.
 #[derive(Debug, Clone, PartialEq)]
@@ -27,15 +27,16 @@ impl SkyLight<'_> {
         let mut bases = vec![0];
         bases.extend(self.bases.iter().map(|of| of.base));
         bases.extend(self.near.clone());
-        let with = |first: f32, rest: [f32; BANDS]| [first, rest[0], rest[1], rest[2]];
         let [red, green, blue] = self.mean;
         let mut rows = vec![[red, green, blue, 0.0]];
         rows.extend(self.bases.iter().map(|of| with(of.even, of.beyond)));
         let near: [f32; MAX_MEANS] = self.open.near;
         rows.push(near);
         rows.extend([0, 1, 2, 3].map(|part| with(self.open.even[part], self.open.sky.map(|of| of[part]))));
+        let of_near = |band: usize| self.open.beyond[band][0] / near[0] + self.mean[band];
+        rows.push(with(1.0, [0, 1, 2].map(of_near)));
         for quarter in 0..HARMONICS / 4 {
-            for part in 0..4 {
+            for part in 0..PARTS {
                 rows.extend(
                     factors
                         .0

@@ -27,7 +27,7 @@ fn by_pool(cursors: &LightCursors<'_>, seed: u32) -> [u32; BANDS] {
 
 /// The light of [`PLANTS`], and what new cursors say of each point.
 fn with_plants(test: impl Fn(&[Option<InstanceLight<'_>>], &[[u32; BANDS]])) {
-    let suns = SunBasis::Harmonics { degree: 2, single: true };
+    let suns = SunBasis::Harmonics { degree: 2, single: true, leaning: true };
     let library = library(&plant("oak", Some(&suns), LATTICE, 3), Codec::Classed);
     let (resident, file) = (resident(&library), SpeciesLight::load(&library, 0).expect("it loads"));
     let streamed = SpeciesLight::streamed(resident.species(0));

@@ -13,7 +13,8 @@ use super::*;
 /// The model `physical`, thirteen bases of harmonics of degree 2 and the near beam, coded as `classed`; of fields that
 /// are smooth, so that it stays small.
 fn shrub() -> SpeciesFields {
-    let mut fields = plant("shrub", Some(&SunBasis::Harmonics { degree: 2, single: true }), LATTICE, 3);
+    let mut fields =
+        plant("shrub", Some(&SunBasis::Harmonics { degree: 2, single: true, leaning: false }), LATTICE, 3);
     fields.bases.iter_mut().for_each(|(base, field)| *field = smooth(*base));
     fields
 }

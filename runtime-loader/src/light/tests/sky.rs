@@ -129,7 +129,7 @@ fn neighbours_do_to_the_parts_of_an_even_sky_what_they_do_to_an_even_sky() {
 
 #[test]
 fn a_sky_is_the_sum_of_its_parts_and_turns_with_the_plant() {
-    let suns = SunBasis::Harmonics { degree: 2, single: true };
+    let suns = SunBasis::Harmonics { degree: 2, single: true, leaning: true };
     let library = library(&plant("plant", Some(&suns), LATTICE, 3), Codec::Classed);
     let species = SpeciesLight::load(&library, 0).expect("a sound file");
     let glow = |s: [f64; 3]| {
@@ -183,7 +183,7 @@ fn what_cannot_have_an_uneven_sky_says_so() {
     let paper = library(&plant("plant", None, LATTICE, 3), Codec::Classed);
     let of_paper = SpeciesLight::load(&paper, 0).expect("a sound file");
     says(of_paper.sky(&even, &Transform::IDENTITY), &["paper", "physical"]);
-    let suns = SunBasis::Harmonics { degree: 1, single: false };
+    let suns = SunBasis::Harmonics { degree: 1, single: false, leaning: true };
     let library = library(&plant("plant", Some(&suns), LATTICE, 3), Codec::Classed);
     let species = SpeciesLight::load(&library, 0).expect("a sound file");
     says(species.sky(&even[1..], &Transform::IDENTITY), &["whole sphere", "4 pi"]);

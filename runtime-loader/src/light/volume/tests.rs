@@ -10,7 +10,7 @@ const LATTICE: u32 = 32;
 const DAY: Daylight = Daylight { towards_sun: [0.6, 0.5, -0.62], sun: 1.3, sky: 0.2 };
 
 fn kinds() -> [Option<SunBasis>; 4] {
-    let harmonics = |single| Some(SunBasis::Harmonics { degree: 2, single });
+    let harmonics = |single| Some(SunBasis::Harmonics { degree: 2, single, leaning: true });
     [None, Some(SunBasis::Lattice18), harmonics(false), harmonics(true)]
 }
 

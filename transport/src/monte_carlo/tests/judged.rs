@@ -43,7 +43,7 @@ fn a_planted_error_of_the_fields_is_found() {
 fn fields_that_hold_the_beam_are_judged_alike() {
     let (medium, settings) = (ball(1.0), OrdinatesSettings::default());
     let scattered = judged(&medium, &settings, |_| {});
-    let total = judged(&medium, &OrdinatesSettings { field: FieldKind::Total, ..settings }, |_| {});
+    let total = judged(&medium, &OrdinatesSettings::of_field(FieldKind::Total), |_| {});
     assert!((scattered.rms - total.rms).abs() < 1e-5, "{scattered:?}, {total:?}");
     assert!((scattered.bias - total.bias).abs() < 1e-5, "{scattered:?}, {total:?}");
 }

@@ -159,7 +159,7 @@ fn suns() -> Vec<Case> {
         let settings = OrdinatesSettings { suns, ..settings() };
         Case { settings, ..case(name, tree(), green()) }
     };
-    let harmonics = |degree, single| SunBasis::Harmonics { degree, single };
+    let harmonics = |degree, single| SunBasis::Harmonics { degree, single, leaning: false };
     vec![
         of("suns `sh1`", harmonics(1, false)),
         of("suns `sh1s`", harmonics(1, true)),
@@ -188,10 +188,7 @@ fn marches() -> Vec<Case> {
         of("sites cut in 8", OrdinatesSettings { parts: 2, ..settings() }),
         of("tolerance 1e-6", OrdinatesSettings { tolerance: 1e-6, ..settings() }),
         Case { end: End::GivesUp, ..of("1 pass", OrdinatesSettings { max_passes: 1, ..settings() }) },
-        of(
-            "fields that hold the beam, `sh2s`",
-            OrdinatesSettings { field: FieldKind::Total, ..OrdinatesSettings::default() },
-        ),
+        of("fields that hold the beam, `sh2s`", OrdinatesSettings::of_field(FieldKind::Total)),
     ]
 }
 
@@ -213,7 +210,7 @@ fn refusals() -> Vec<Case> {
     let of_settings = |name, words, settings| refused(name, words, tree(), vec![green()], settings);
     let mut flat = tree();
     flat.grid.spacing_m = 0.0;
-    let sh4 = SunBasis::Harmonics { degree: 4, single: false };
+    let sh4 = SunBasis::Harmonics { degree: 4, single: false, leaning: false };
     vec![
         of_albedo("leaf albedo one ulp above 1", OUTSIDE),
         of_albedo("leaf albedo below 0", -f64::from_bits(1)),

@@ -49,3 +49,39 @@ fn leaves_that_absorb_nothing_stay_in_balance_with_the_sky() {
         }
     }
 }
+
+#[test]
+fn a_near_beam_that_counts_as_often_as_leaves_meet_it_fits_better() {
+    for medium in leaning(ball(32, 3.0)) {
+        let error = |leaning| {
+            let suns = SunBasis::Harmonics { degree: 2, single: true, leaning };
+            let settings = OrdinatesSettings { suns, ..OrdinatesSettings::default() };
+            solved(&medium, both(0.3, LEAF), &settings).reports[0].suns_rms.unwrap()
+        };
+        let [once, often] = [false, true].map(error);
+        assert!(often < 0.7 * once, "{often} for {once}");
+    }
+}
+
+#[test]
+fn leaves_meet_of_each_beam_what_their_inclinations_say() {
+    let [medium, _] = leaning(ball(16, 3.0));
+    let sites = medium.sites();
+    let near = near(&medium, &sites, false);
+    let beyond = solved(&medium, both(0.3, LEAF), &LATTICE18).total.beyond;
+    for (item, found) in beyond.iter().enumerate() {
+        let sun = SunBasis::Lattice18.sun_of(1 + item as u8).unwrap();
+        let more = medium.angles.relative(sun[1]) as f32 - 1.0;
+        for (found, beam) in found.iter().zip(near.beam(sun, flb_format::beam::BEAM_RAYS).beam.mean) {
+            assert!((found - more * beam).abs() < 1e-6, "{item}: {found}");
+        }
+    }
+    // Of all suns together they meet as much as leaves at random; those behind others less of the steep ones.
+    let suns = SunBasis::Harmonics { degree: 1, single: true, leaning: true };
+    let settings = OrdinatesSettings { suns, ..OrdinatesSettings::default() };
+    let of_all = solved(&medium, both(0.3, LEAF), &settings).total.beyond;
+    assert_eq!(of_all.len(), 4);
+    assert!(of_all[0].iter().all(|mean| mean.abs() < 0.1), "{:?}", of_all[0]);
+    let upright = TurbidMedium { angles: LeafAngles::spherical(), ..medium };
+    assert!(solved(&upright, both(0.3, LEAF), &LATTICE18).total.beyond.is_empty());
+}

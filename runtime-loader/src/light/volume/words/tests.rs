@@ -142,7 +142,7 @@ pub(crate) fn on_gpu(words: &[u32], points: &[[f32; 4]], light: &str) -> Vec<[f3
 
 #[test]
 fn a_gpu_finds_the_light_of_volumes_wherever_they_lie_in_a_buffer() {
-    let harmonics = SunBasis::Harmonics { degree: 2, single: true };
+    let harmonics = SunBasis::Harmonics { degree: 2, single: true, leaning: true };
     let kinds = [(Some(&harmonics), 32), (None, 16), (Some(&SunBasis::Lattice18), 64)];
     let day = Daylight { towards_sun: [0.6, 0.5, -0.62], sun: 1.3, sky: 0.2 };
     // Something lies before them.

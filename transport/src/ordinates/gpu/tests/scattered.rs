@@ -45,7 +45,7 @@ fn assert_alike(found: &OrdinatesSolution, expected: &OrdinatesSolution, name: &
 #[test]
 fn light_of_suns_and_sky_is_that_of_the_cpu() {
     let medium = medium();
-    let suns = |degree| SunBasis::Harmonics { degree, single: true };
+    let suns = |degree| SunBasis::Harmonics { degree, single: true, leaning: false };
     let few = OrdinatesSettings { ordinates: Ordinates::Lattice18, ..settings(Backend::GPU) };
     // The rest of the second band's light is solved for harmonics of the sun, that of the others for every sun. The
     // last one has moments.
