@@ -22,8 +22,8 @@ use flb_transport::turbid::{BandScatter, LeafAngles, Phase, Scatter, TurbidMediu
 fn presets() -> Vec<(&'static str, OrdinatesSettings)> {
     let only: Vec<String> =
         std::env::args().filter_map(|word| word.strip_prefix("only=").map(str::to_owned)).collect();
-    let sh = |degree| SunBasis::Harmonics { degree, single: false, leaning: false };
-    let single = |degree| SunBasis::Harmonics { degree, single: true, leaning: false };
+    let sh = |degree| SunBasis::Harmonics { degree, single: false, leaning: true };
+    let single = |degree| SunBasis::Harmonics { degree, single: true, leaning: true };
     let of =
         |suns, ordinates, parts| OrdinatesSettings { suns, ordinates, parts, ..OrdinatesSettings::default() };
     let (fine, fair, coarse) = (Ordinates::Lebedev110, Ordinates::Lebedev50, Ordinates::Lattice18);

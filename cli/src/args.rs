@@ -197,6 +197,9 @@ pub(crate) struct MeshArgs {
     /// leaves, of which the texture is a tint [default: the species file's, else measured where the two are near]
     #[arg(long, visible_alias = "leaf-color", value_enum, value_name = "SOURCE")]
     pub leaf_colour: Option<ColorSource>,
+    /// Where the colour of wood and of pots comes from, in the same way; measured is the mean of three barks
+    #[arg(long, visible_alias = "wood-color", value_enum, value_name = "SOURCE")]
+    pub wood_colour: Option<ColorSource>,
 }
 
 #[derive(Args)]

@@ -40,7 +40,7 @@ impl MeshReader {
         let (leaf, wood, ignore) = (args.leaf.clone(), args.wood.clone(), args.ignore.clone());
         let rules = ClassRules { leaf, wood, ignore, ..ClassRules::default() };
         let mut plants = PlantReader::new(species, settings, rules);
-        plants.colors.flag = args.leaf_colour;
+        (plants.colors.flag, plants.colors.wood_flag) = (args.leaf_colour, args.wood_colour);
         Ok(MeshReader { plants, quiet: false, mend: Mend::Flags })
     }
 

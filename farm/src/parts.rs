@@ -125,7 +125,7 @@ fn first_step(part: &str) -> Step {
         ("bake", _) => Step::Solve,
         ("coding" | "name" | "species_file", _) | ("plant", "name") => Step::Encode,
         ("plant", "leaf" | "wood" | "ignore" | "ignore_alpha") => Step::Voxelise,
-        ("plant", "surfaces" | "optics" | "leaf_model" | "leaf_colour") => Step::Solve,
+        ("plant", "surfaces" | "optics" | "leaf_model" | "leaf_colour" | "wood_colour") => Step::Solve,
         // Files, the way in which they are read, and the program.
         _ => Step::Import,
     }

@@ -75,7 +75,7 @@ fn grid_around(plant: &Plant, lattice: u32) -> Grid {
 /// Fields that fall off from above, a little rough.
 fn library(lattice: u32, single: bool) -> Library {
     let (medium, turbid) = grown(lattice);
-    let suns = SunBasis::Harmonics { degree: 2, single, leaning: false };
+    let suns = SunBasis::Harmonics { degree: 2, single, leaning: true };
     let n = lattice as usize;
     let field = |base: u8| {
         let mut field = Field::zeros(lattice, 3);

@@ -45,7 +45,7 @@ fn median(mut times: Vec<f64>) -> f64 {
 }
 
 fn planning() {
-    let harmonics = SunBasis::Harmonics { degree: 2, single: true, leaning: false };
+    let harmonics = SunBasis::Harmonics { degree: 2, single: true, leaning: true };
     let plants: Vec<_> = (0..5)
         .map(|i| match i {
             0 | 1 => plants::plant("paper", None, 32, i),
@@ -152,7 +152,7 @@ fn opening() {
 /// Light for plants that each stand in their own way: what a frame asks for before the first point.
 fn lighting() {
     const PLANTS: u32 = 10_000;
-    let harmonics = SunBasis::Harmonics { degree: 2, single: true, leaning: false };
+    let harmonics = SunBasis::Harmonics { degree: 2, single: true, leaning: true };
     let bytes = plants::bytes(&[plants::plant("harmonics", Some(&harmonics), 64, 1)], Codec::Classed);
     let library = Arc::new(Library::from_source("plants.flb", Box::new(bytes)).expect("it opens"));
     let file = SpeciesLight::load(&library, 0).expect("a sound file");

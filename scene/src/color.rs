@@ -20,7 +20,7 @@ mod rules;
 mod tests;
 pub mod words;
 
-pub use evidence::{Evidence, MAX_APART, apart};
+pub use evidence::{Difference, Evidence, MAX_APART, apart};
 pub use law::law;
 pub use points::{mean_colors, on_surface};
 pub use resolve::{Colors, MaterialColor, MeanShares, resolve};

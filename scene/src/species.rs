@@ -55,6 +55,7 @@
 //!
 //! ```toml
 //! leaf_colour = "texture"    # or: [{ material = "petal*", colour = "texture" }, { colour = "measured" }]
+//! wood_colour = "measured"   # the same for wood
 //! ```
 
 mod color;
@@ -113,6 +114,8 @@ pub struct SpeciesFile {
     pub sets: Vec<SurfaceSet>,
     /// Rules of which leaves' texels are the reflectance.
     pub leaf_color: Vec<ColorRule>,
+    /// Rules of which wood's texels are the reflectance.
+    pub wood_color: Vec<ColorRule>,
     /// The file's bytes, for digests and sources.
     pub blake3: String,
 }
@@ -139,6 +142,7 @@ struct Raw {
     optics: Option<Vec<RawBand>>,
     surfaces: Option<Vec<RawSurface>>,
     leaf_colour: Option<RawColor>,
+    wood_colour: Option<RawColor>,
     leaf_model: Option<RawLeafModel>,
 }
 
@@ -225,7 +229,8 @@ impl SpeciesFile {
             optics,
             surfaces,
             sets,
-            leaf_color: color::resolve(raw.leaf_colour, &malformed)?,
+            leaf_color: color::resolve("leaf_colour", raw.leaf_colour, &malformed)?,
+            wood_color: color::resolve("wood_colour", raw.wood_colour, &malformed)?,
             blake3: blake3::hash(text.as_bytes()).to_hex().to_string(),
         })
     }
@@ -238,8 +243,14 @@ impl SpeciesFile {
 
     /// Rules of colour in the file.
     pub fn color_rules(&self) -> ColorRules {
-        let (rules, sets) = (self.leaf_color.clone(), self.sets.clone());
-        ColorRules { flag: None, file: self.file.clone(), rules, sets, has_surfaces: self.surfaces.is_some() }
+        ColorRules {
+            file: self.file.clone(),
+            rules: self.leaf_color.clone(),
+            wood_rules: self.wood_color.clone(),
+            sets: self.sets.clone(),
+            has_surfaces: self.surfaces.is_some(),
+            ..ColorRules::default()
+        }
     }
 
     /// Import settings of the file; `over` (the command line) wins.

@@ -39,6 +39,8 @@ pub struct MaterialColor {
     pub texel: Texel,
     /// Rule that decided, in words.
     pub rule: String,
+    /// Leaf, else wood.
+    pub is_leaf: bool,
     /// Whether the bake decided by evidence against the measured colour: worth a word.
     pub is_surprise: bool,
     /// Reason why a request was not followed.
@@ -89,8 +91,8 @@ pub fn resolve(mesh: &Mesh, classes: &[MaterialClass], measured: &Surfaces, rule
     let materials: Vec<Option<MaterialColor>> = decisions
         .iter()
         .zip(shown)
-        .zip(&found)
-        .map(|((decision, (clamped, shown)), found)| {
+        .zip(found.iter().zip(classes))
+        .map(|((decision, (clamped, shown)), (found, &class))| {
             let Decision { texture, measured, texel, rule, is_surprise, warning, note, .. } =
                 decision.clone()?;
             let of_place = |place: usize| measured.get(place).map(|shares| shares.reflectance);
@@ -101,6 +103,7 @@ pub fn resolve(mesh: &Mesh, classes: &[MaterialClass], measured: &Surfaces, rule
                 measured,
                 texel,
                 rule,
+                is_leaf: class == MaterialClass::Leaf,
                 is_surprise,
                 warning,
                 note,
@@ -196,9 +199,9 @@ impl Decision {
             }
             (None, None) => (Texel::Tint, "no colour of its own".to_owned(), false),
             (None, Some(_)) if !has_colors => (Texel::Tint, "its bands are no colours".to_owned(), false),
-            (None, Some(_)) if !is_leaf => (Texel::Tint, "wood".to_owned(), false),
             (None, Some(mean)) => {
-                match Evidence::of(mean, DVec3::new(reflected(0), reflected(1), reflected(2))) {
+                let judge = if is_leaf { Evidence::of } else { Evidence::of_wood };
+                match judge(mean, DVec3::new(reflected(0), reflected(1), reflected(2))) {
                     Evidence::White => (Texel::Tint, "its colour is white".to_owned(), false),
                     Evidence::Black => {
                         warning = Some("its colour is black; taking the measured one".to_owned());
@@ -207,16 +210,16 @@ impl Decision {
                     Evidence::Near(apart) => {
                         (Texel::Tint, format!("near the measured colour, {apart:.2} apart"), false)
                     }
-                    Evidence::Far(apart) => {
+                    Evidence::Far(difference) => {
                         // A user who states what leaves reflect may not know that the mesh has the last word.
-                        if rules.has_surface(&material.name) {
+                        if is_leaf && rules.has_surface(&material.name) {
                             warning = Some(format!(
                                 "{} states another colour than the mesh has, and the mesh's is taken; leaf_colour = \
                                  \"measured\" takes the one that is stated",
                                 rules.file
                             ));
                         }
-                        (Texel::Albedo, format!("far from the measured colour, {apart:.2} apart"), true)
+                        (Texel::Albedo, format!("far from the measured colour, {difference}"), true)
                     }
                 }
             }

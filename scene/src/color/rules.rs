@@ -5,13 +5,17 @@ use globset::{GlobBuilder, GlobMatcher};
 
 use crate::import::ImportError;
 
+/// Keys of species files.
+const LEAF_KEY: &str = "leaf_colour";
+const WOOD_KEY: &str = "wood_colour";
+
 /// Source of a surface's colour.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 #[cfg_attr(feature = "clap", derive(clap::ValueEnum))]
 pub enum ColorSource {
     /// A texel, or the base colour, is the reflectance.
     Texture,
-    /// A texel tints the reflectance of measured leaves.
+    /// A texel tints the reflectance of what was measured.
     Measured,
 }
 
@@ -28,7 +32,7 @@ impl ColorSource {
 /// Materials, and where their colour comes from.
 #[derive(Debug, Clone, PartialEq)]
 pub struct ColorRule {
-    /// Pattern of names (glob, any case); `None`: every leaf.
+    /// Pattern of names (glob, any case); `None`: every leaf, or all wood.
     pub pattern: Option<String>,
     /// Source of the materials' colour.
     pub source: ColorSource,
@@ -48,10 +52,14 @@ pub struct SurfaceSet {
 pub struct ColorRules {
     /// Source of every leaf's colour, by the command line.
     pub flag: Option<ColorSource>,
+    /// Source of the colour of all wood, by the command line.
+    pub wood_flag: Option<ColorSource>,
     /// Name of the species file, for messages.
     pub file: String,
-    /// Rules of the species file; the first that matches counts.
+    /// Rules of the species file for leaves; the first that matches counts. Patterns may match wood.
     pub rules: Vec<ColorRule>,
+    /// Rules of the species file for wood, before those.
+    pub wood_rules: Vec<ColorRule>,
     /// Surface sets of the species file; the first that matches counts.
     pub sets: Vec<SurfaceSet>,
     /// Whether the species file says what all leaves reflect and let through.
@@ -66,15 +74,20 @@ impl ColorRules {
 
     /// What is said of a material, and by whom.
     pub(super) fn source(&self, name: &str, is_leaf: bool) -> Option<(ColorSource, String)> {
-        if let Some(flag) = self.flag.filter(|_| is_leaf) {
-            return Some((flag, format!("--leaf-colour {}", flag.name())));
+        let (flag, kind) = if is_leaf { (self.flag, "leaf") } else { (self.wood_flag, "wood") };
+        if let Some(flag) = flag {
+            return Some((flag, format!("--{kind}-colour {}", flag.name())));
         }
-        let said = |rule: &&ColorRule| match &rule.pattern {
+        let said = |of_own_kind: bool, rule: &&ColorRule| match &rule.pattern {
             Some(pattern) => matches(pattern, name),
-            None => is_leaf,
+            None => of_own_kind,
         };
-        let rule = self.rules.iter().find(said)?;
-        Some((rule.source, format!("{}: leaf_colour {}", self.file, rule.source.name())))
+        let found = |rules: &[ColorRule], key: &str, of_own_kind: bool| {
+            let rule = rules.iter().find(|rule| said(of_own_kind, rule))?;
+            Some((rule.source, format!("{}: {key} {}", self.file, rule.source.name())))
+        };
+        let of_wood = || found(&self.wood_rules, WOOD_KEY, true);
+        if is_leaf { None } else { of_wood() }.or_else(|| found(&self.rules, LEAF_KEY, is_leaf))
     }
 
     /// The surfaces that are said of a material.
@@ -87,7 +100,10 @@ impl ColorRules {
     /// # Errors
     /// [`ImportError::NothingMatched`], [`ImportError::BadPattern`].
     pub fn check(&self, names: &[&str]) -> Result<(), ImportError> {
-        let of_rules = self.rules.iter().filter_map(|rule| Some(("leaf_colour", rule.pattern.as_deref()?)));
+        let of_rules = [(LEAF_KEY, &self.rules), (WOOD_KEY, &self.wood_rules)];
+        let of_rules = of_rules.into_iter().flat_map(|(key, rules)| {
+            rules.iter().filter_map(move |rule| Some((key, rule.pattern.as_deref()?)))
+        });
         let of_sets = self.sets.iter().map(|set| ("surfaces.material", set.pattern.as_str()));
         for (key, pattern) in of_rules.chain(of_sets) {
             let origin = || format!("{}: {key}", self.file);

@@ -74,6 +74,7 @@ fn leaf(colors: &Colors) -> &MaterialColor {
 
 const GREEN: [u8; 4] = [86, 110, 52, 255];
 const RED: [u8; 4] = [150, 26, 22, 255];
+const BARK: [u8; 4] = [110, 98, 84, 255];
 
 #[test]
 fn greens_are_tints_and_other_colors_their_own() {
@@ -108,6 +109,37 @@ fn greens_are_tints_and_other_colors_their_own() {
         assert_eq!(leaf(&colors).texel, Texel::Albedo, "{color:?}: {}", leaf(&colors).rule);
         assert!(leaf(&colors).is_surprise && colors.surfaces[0].is_some());
     }
+}
+
+#[test]
+fn barks_are_tints_and_birches_and_pots_have_colours_of_their_own() {
+    let barks: [[f32; 3]; 5] = [
+        [0.153, 0.123, 0.090],
+        [0.124, 0.090, 0.039], // an oak
+        [0.262, 0.240, 0.235], // a pine, grey
+        [0.114, 0.103, 0.084], // a maple
+        [0.070, 0.055, 0.040],
+    ];
+    let others: [([f32; 3], &str); 5] = [
+        ([0.85, 0.85, 0.83], "far from the measured colour, 6.9 times as bright"),
+        ([0.55, 0.53, 0.50], "far from the measured colour, 4.3 times as bright"), // a birch
+        ([0.02, 0.02, 0.02], "far from the measured colour, 0.2 times as bright"),
+        ([0.263, 0.127, 0.065], "far from the measured colour, 0.16 apart"), // a terracotta pot
+        ([0.05, 0.10, 0.30], "far from the measured colour, 0.42 apart"),    // glazed
+    ];
+    let of_wood = |color| of(&plain(color), &[MaterialClass::Wood], &ColorRules::default());
+    for color in barks {
+        let colors = of_wood(color);
+        assert_eq!(leaf(&colors).texel, Texel::Tint, "{color:?}: {}", leaf(&colors).rule);
+        assert_eq!(colors.mean, knapp_carter());
+    }
+    for (color, rule) in others {
+        let colors = of_wood(color);
+        assert_eq!((leaf(&colors).texel, leaf(&colors).is_surprise), (Texel::Albedo, true), "{color:?}");
+        assert_eq!(leaf(&colors).rule, rule);
+        assert!((colors.mean.bands[2].wood.reflectance - f64::from(color[2])).abs() < 1e-6);
+    }
+    assert_eq!(leaf(&of_wood([1.0; 3])).texel, Texel::Tint, "white says nothing");
 }
 
 #[test]
@@ -171,8 +203,16 @@ fn a_file_speaks_of_materials_and_the_flag_of_leaves() {
         of(&mesh, &classes, rules).materials.iter().flatten().map(|material| material.texel).collect()
     };
     use Texel::{Albedo, Tint};
-    assert_eq!(texels(&ColorRules::default()), [Tint, Albedo, Tint]);
-    assert_eq!(texels(&of_file("leaf_colour = \"texture\"")), [Albedo, Albedo, Tint]);
+    assert_eq!(texels(&ColorRules::default()), [Tint, Albedo, Albedo]);
+    assert_eq!(texels(&of_file("leaf_colour = \"texture\"")), [Albedo, Albedo, Albedo]);
+    assert_eq!(texels(&of_file("wood_colour = \"measured\"")), [Tint, Albedo, Tint]);
+    let measured = ColorRules { wood_flag: Some(ColorSource::Measured), ..ColorRules::default() };
+    assert_eq!(texels(&measured), [Tint, Albedo, Tint]);
+    let both = "leaf_colour = [{ material = \"moss\", colour = \"texture\" }]\nwood_colour = \"measured\"";
+    assert_eq!(texels(&of_file(both)), [Tint, Albedo, Tint], "of wood its own key counts first");
+    let missed =
+        of_file("wood_colour = [{ material = \"pot\", colour = \"texture\" }]").check(&["moss"]).unwrap_err();
+    assert!(missed.to_string().contains("a.toml: wood_colour"), "{missed}");
     let by_material = r#"leaf_colour = [{ material = "PET*", colour = "measured" }, { material = "moss", colour = "texture" },
                          { colour = "texture" }]"#;
     let rules = of_file(by_material);
@@ -198,7 +238,7 @@ fn a_material_with_surfaces_of_its_own_is_mixed_into_the_mean() {
         )
     };
     let rules = of_file(&[petals("R", 0.6, 0.3), petals("G", 0.1, 0.05), petals("B", 0.1, 0.05)].concat());
-    let mut mesh = squares(&[&[GREEN], &[RED], &[GREEN]]);
+    let mut mesh = squares(&[&[GREEN], &[RED], &[BARK]]);
     mesh.materials[1].color_texture = None;
     let classes = [MaterialClass::Leaf, MaterialClass::Leaf, MaterialClass::Wood];
     let colors = of(&mesh, &classes, &rules);

@@ -25,9 +25,11 @@ pub fn decisions(plant: &Plant) -> Vec<String> {
     let mut told = Vec::new();
     for (name, color) in of_materials(plant) {
         if color.is_surprise {
+            let [kind, key] =
+                if color.is_leaf { ["leaves reflect", "leaf"] } else { ["wood reflects", "wood"] };
             told.push(format!(
-                "material {name:?} has the colour {}, measured leaves reflect {}: its texels are taken for what it \
-                 reflects; --leaf-colour measured (in a species file leaf_colour = \"measured\") makes them a tint \
+                "material {name:?} has the colour {}, measured {kind} {}: its texels are taken for what it \
+                 reflects; --{key}-colour measured (in a species file {key}_colour = \"measured\") makes them a tint \
                  of the measured colour",
                 shares(&color.texture.unwrap_or_default()),
                 shares(&color.measured)

@@ -1,4 +1,4 @@
-//! `leaf_colour` of a species file: one word, or one for each pattern of materials.
+//! `leaf_colour` and `wood_colour` of a species file: one word, or one for each pattern of materials.
 
 use serde::Deserialize;
 
@@ -20,8 +20,12 @@ pub(super) struct RawRule {
     colour: String,
 }
 
-/// The rules, in the order of the file.
-pub(super) fn resolve(raw: Option<RawColor>, malformed: &Malformed) -> Result<Vec<ColorRule>, ImportError> {
+/// The rules of a key, in the order of the file.
+pub(super) fn resolve(
+    key: &str,
+    raw: Option<RawColor>,
+    malformed: &Malformed,
+) -> Result<Vec<ColorRule>, ImportError> {
     let source = |place: &str, word: &str| match word {
         "texture" => Ok(ColorSource::Texture),
         "measured" => Ok(ColorSource::Measured),
@@ -30,19 +34,19 @@ pub(super) fn resolve(raw: Option<RawColor>, malformed: &Malformed) -> Result<Ve
     let rules = match raw {
         None => return Ok(Vec::new()),
         Some(RawColor::OfAll(word)) => {
-            return Ok(vec![ColorRule { pattern: None, source: source("leaf_colour", &word)? }]);
+            return Ok(vec![ColorRule { pattern: None, source: source(key, &word)? }]);
         }
         Some(RawColor::ByMaterial(rules)) => rules,
     };
     if rules.len() > MAX_PATTERNS {
-        return Err(malformed("leaf_colour", format!("{} patterns", rules.len()), "at most 256 patterns"));
+        return Err(malformed(key, format!("{} patterns", rules.len()), "at most 256 patterns"));
     }
     let rule = |(index, rule): (usize, RawRule)| {
         if let Some(long) = rule.material.as_ref().filter(|pattern| pattern.len() > MAX_PATTERN_BYTES) {
-            let place = format!("leaf_colour[{index}].material");
+            let place = format!("{key}[{index}].material");
             return Err(malformed(&place, format!("a pattern of {} bytes", long.len()), "at most 256 bytes"));
         }
-        let source = source(&format!("leaf_colour[{index}].colour"), &rule.colour)?;
+        let source = source(&format!("{key}[{index}].colour"), &rule.colour)?;
         Ok(ColorRule { pattern: rule.material, source })
     };
     rules.into_iter().enumerate().map(rule).collect()

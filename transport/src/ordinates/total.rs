@@ -19,8 +19,8 @@ pub struct TotalLight {
     /// Projection of each mean of the near beam, as often as it counts, on each harmonic, `[harmonic][mean][site]`;
     /// empty without harmonics.
     pub near: Vec<Vec<Vec<f32>>>,
-    /// Light of the beams that leaves meet beyond what `values` hold of it, as they favour an inclination; negative where
-    /// they meet less. `[item of the suns][site]`; empty where they favour none.
+    /// Light of the beams that leaves meet beyond what `values` hold of it, by their inclinations; below 0 where they
+    /// meet less. `[item of the suns][site]`; empty where they favour none.
     pub beyond: Vec<Vec<f32>>,
     /// Light of the sky that has met nothing, `[site]`; empty without a sky.
     pub open_sky: Vec<f32>,

@@ -7,6 +7,8 @@ fn mistakes_of_colors_are_named_with_their_place() {
     assert!(word.contains("leaf_colour") && word.contains("\"texture\" or \"measured\""), "{word}");
     let entry = error("leaf_colour = [{ colour = \"texture\" }, { colour = \"mesured\" }]");
     assert!(entry.contains("leaf_colour[1].colour") && entry.contains("mesured"), "{entry}");
+    let wood = error("wood_colour = [{ colour = \"brown\" }]");
+    assert!(wood.contains("wood_colour[0].colour") && wood.contains("brown"), "{wood}");
     let long = format!("leaf_colour = [{{ material = {:?}, colour = \"texture\" }}]", "a".repeat(257));
     assert!(error(&long).contains("leaf_colour[0].material"), "{long}");
 }

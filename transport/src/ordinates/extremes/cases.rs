@@ -159,7 +159,7 @@ fn suns() -> Vec<Case> {
         let settings = OrdinatesSettings { suns, ..settings() };
         Case { settings, ..case(name, tree(), green()) }
     };
-    let harmonics = |degree, single| SunBasis::Harmonics { degree, single, leaning: false };
+    let harmonics = |degree, single| SunBasis::Harmonics { degree, single, leaning: true };
     vec![
         of("suns `sh1`", harmonics(1, false)),
         of("suns `sh1s`", harmonics(1, true)),
@@ -210,7 +210,7 @@ fn refusals() -> Vec<Case> {
     let of_settings = |name, words, settings| refused(name, words, tree(), vec![green()], settings);
     let mut flat = tree();
     flat.grid.spacing_m = 0.0;
-    let sh4 = SunBasis::Harmonics { degree: 4, single: false, leaning: false };
+    let sh4 = SunBasis::Harmonics { degree: 4, single: false, leaning: true };
     vec![
         of_albedo("leaf albedo one ulp above 1", OUTSIDE),
         of_albedo("leaf albedo below 0", -f64::from_bits(1)),
