@@ -21,7 +21,8 @@ fn species(bands: &[&str]) -> String {
              wood = {{ reflectance = {wood} }}\n"
         )
     };
-    bands.iter().map(surface).collect()
+    // The oak's own bark is another colour, of which the fields need fewer components.
+    ["wood_colour = \"measured\"\n".to_owned()].into_iter().chain(bands.iter().map(surface)).collect()
 }
 
 /// `oak.glb` with red leaves, whose texture is an albedo, and a file for each list of bands.
@@ -120,11 +121,12 @@ fn the_order_of_bands_in_a_file_changes_no_picture() {
         pixels(&folder.read("base.png"))
     };
     let expected = extract("rgb.flb", &[]);
-    // The bands of each file are coded together: both are off by a little, and not by the same.
+    // The bands of each file are coded together, to 38 dB: both are off by 3 of 255 at most, and not by the same.
     let bgr = extract("bgr.flb", &[]);
-    assert!(rms(&expected, &bgr) < 1.0, "{}", rms(&expected, &bgr));
+    let coding = rms(&expected, &bgr);
+    assert!(coding < 3.2, "{coding}");
     let swapped: Vec<u8> = bgr.as_chunks::<3>().0.iter().flat_map(|[r, g, b]| [*b, *g, *r]).collect();
-    assert!(rms(&expected, &swapped) > 4.0, "{}", rms(&expected, &swapped));
+    assert!(rms(&expected, &swapped) > (2.0 * coding).max(4.0), "{}", rms(&expected, &swapped));
     let of_four = extract("nbrg.flb", &[]);
     assert_eq!(of_four, extract("nbrg.flb", &["--show-bands", "R,G,B"]));
     assert!(rms(&expected, &of_four) < 12.0, "{}", rms(&expected, &of_four));
