@@ -99,10 +99,10 @@ impl Solids<'_> {
         if let Some(on_solids) = near::NearOnSolids::new(self, &places, &fit, &gathered) {
             let mut near: Vec<&mut Field> = near.iter_mut().map(|(_, field)| &mut **field).collect();
             let kept = |site: usize, band: u32| {
-                let [leaf, _] = places.of(site).map_or_else(Default::default, |place| {
-                    self.received[band as usize][place].map(|of| of.beam - of.total)
-                });
-                leaf
+                places.of(site).map_or(0.0, |place| {
+                    let [leaf, _] = self.received[band as usize][place];
+                    leaf.beam - leaf.total
+                })
             };
             on_solids.carry_on(&fit, &spread, &mut near, &kept, &mut gathered);
         }

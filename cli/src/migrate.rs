@@ -1,6 +1,6 @@
 //! `flb migrate`: a file of an older version of the format, rewritten as the present one.
 
-use flb_format::container::records::{FEATURE_LEANING, version_of};
+use flb_format::container::records::version_of;
 use flb_inspector::Level;
 use flb_packer::{Copier, EncodedSpecies, write_library};
 use flb_runtime::Location;
@@ -47,11 +47,10 @@ pub(crate) fn run(args: &MigrateArgs) -> Result<u8, Failure> {
     let dropped = copied.iter().flat_map(|species| {
         species.dropped.iter().map(|key| format!("{key}, of species {}", species.meta.name))
     });
-    let leaning = copied.iter().any(|species| species.meta.model.suns().is_leaning());
     let summary = Summary {
         output: args.output.display().to_string(),
         from: version(container.format_version()),
-        to: version(version_of(if leaning { FEATURE_LEANING } else { 0 })),
+        to: version(version_of(container.header().required_features)),
         species: copied.iter().map(|species| species.meta.name.clone()).collect(),
         bytes_before: container.header().file_bytes,
         bytes,

@@ -35,6 +35,14 @@ pub struct Light {
     pub solid_offset: Option<f64>,
 }
 
+impl Light {
+    /// Returns the light of leaves with these inclinations.
+    #[must_use]
+    pub fn of_leaves(self, angles: &LeafAngles) -> Light {
+        Light { suns: self.suns.of_leaves(angles), leaf_angles: angles.clone(), ..self }
+    }
+}
+
 /// Largest [`Light::solid_offset`].
 pub const MAX_SOLID_OFFSET: f64 = 2.0;
 
@@ -164,12 +172,6 @@ impl SunBasis {
     /// Whether the near beam counts as often as leaves meet it.
     pub fn is_leaning(&self) -> bool {
         matches!(self, SunBasis::Harmonics { leaning: true, .. })
-    }
-
-    /// How often the near beam of a sun counts, whose unit direction has this y component: by the leaves' inclinations
-    /// where it leans, else once.
-    pub fn near_factor(&self, angles: &LeafAngles, up: f64) -> f32 {
-        if self.is_leaning() { angles.relative(up) as f32 } else { 1.0 }
     }
 
     /// Whether the near beam's fifth mean, the light scattered once, is needed.

@@ -34,7 +34,7 @@ impl SpeciesSuns {
 
     /// How often the near beam of a sun along a unit vector counts.
     pub(crate) fn near_factor(&self, unit: [f64; 3]) -> f32 {
-        self.angles.as_ref().map_or(1.0, |angles| self.basis.near_factor(angles, unit[1]))
+        self.angles.as_ref().map_or(1.0, |angles| angles.relative(unit[1]) as f32)
     }
 }
 

@@ -41,13 +41,11 @@ pub(super) fn bake(
     let surfaces = Surfaces { bands: kept.iter().map(|&band| all.bands[band].clone()).collect() };
     let walls = walls(&plant.classed);
     let bases = bases_of(work, &physical.suns.basis(walls), settings.wanted.bases);
-    let mut solve = physical.solve(settings.lattice, walls, bases);
+    let solve = physical.solve(settings.lattice, walls, bases);
     // Before the long work: there may be none.
     let gpu = light::gpu_of(&solve)?;
-    let model = Model::Physical {
-        surfaces: surfaces.clone(),
-        light: unsolved_light(&solve, &LeafAngles::spherical()),
-    };
+    let light = unsolved_light(&solve).of_leaves(&LeafAngles::spherical());
+    let model = Model::Physical { surfaces: surfaces.clone(), light };
     let mut meta = super::job::describe(&plant, &voxels, model);
     if gpu.is_some() {
         meta.record(&provenance::SOLVER, light::solver_name(&solve).to_owned());
@@ -66,7 +64,6 @@ pub(super) fn bake(
 
     let crown_settings = CrownSettings { ignore_alpha: voxels.ignore_alpha, angles: physical.leaf_angles };
     let crown = crown(work, classed, &medium, &crown_settings, &shape)?;
-    solve.suns = solve.suns.of_leaves(&crown.turbid.angles);
     let scatter: Vec<BandScatter> = surfaces.bands.iter().map(scatter).collect();
     let recollision = Recollision::of(&crown.turbid, crown.factor, &medium);
     let mixed =
@@ -112,7 +109,7 @@ pub(super) fn bake(
     set_means(&mut meta, &solution.fields, &solve.suns, &matter, &solution.total.near);
     let error = LightError { monte_carlo, ..light::error_of(&solution) };
     let converged = light::converged(&solution);
-    let light = Light { error, ..unsolved_light(&solve, &crown.turbid.angles) };
+    let light = Light { error, ..unsolved_light(&solve) }.of_leaves(&crown.turbid.angles);
     meta.model = Model::Physical { surfaces, light };
     meta.record(&provenance::CROWN_FACTOR, crown.factor);
     meta.record(&provenance::CROWN_GAP, crown.gap);

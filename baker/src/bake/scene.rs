@@ -429,7 +429,7 @@ impl Baking<'_> {
         self.suns_rms = Some(self.suns_rms.map_or(suns_rms, |largest| largest.max(suns_rms)));
         let solve = said_of_solve(&solution, &settings);
         let said = said.iter().chain(&solve).map(|(key, value)| ((*key).to_owned(), value.clone()));
-        let light = Light { error: error_of(&solution), ..unsolved_light(&settings, &source.turbid.angles) };
+        let light = Light { error: error_of(&solution), ..unsolved_light(&settings) };
         let Entry { meta, medium } = entry(role, source.turbid, is_ground, surfaces.clone(), light, said);
         let turbid = Some(source.turbid.clone());
         Ok((SpeciesFields { meta, medium, turbid, bases: solution.fields }, cached))

@@ -366,14 +366,15 @@ impl PaperSettings {
     }
 }
 
-/// Metadata of the light of leaves with these inclinations before it is solved.
-pub fn unsolved_light(solve: &OrdinatesSettings, angles: &LeafAngles) -> Light {
+/// Metadata of the light before it is solved. [`Light::of_leaves`] says how the leaves are inclined; until then they
+/// lie at random.
+pub fn unsolved_light(solve: &OrdinatesSettings) -> Light {
     Light {
         field: solve.field,
         ordinates: solve.ordinates.count(),
         rays: solve.rays,
-        suns: solve.suns.clone().of_leaves(angles),
-        leaf_angles: angles.clone(),
+        suns: solve.suns.clone(),
+        leaf_angles: LeafAngles::spherical(),
         error: LightError { suns_rms: 0.0, held_out: 0, solver: 0.0, monte_carlo: None },
         solid_offset: (solve.field == FieldKind::Scattered).then_some(SOLID_OFFSET),
     }

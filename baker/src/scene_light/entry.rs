@@ -29,9 +29,8 @@ pub fn entry(
     light: Light,
     settings: impl IntoIterator<Item = (String, Value)>,
 ) -> Entry {
-    let suns = light.suns.clone().of_leaves(&turbid.angles);
-    let light = Light { suns, leaf_angles: turbid.angles.clone(), ..light };
-    let model = Model::Physical { surfaces: Surfaces { bands: vec![surfaces] }, light };
+    let surfaces = Surfaces { bands: vec![surfaces] };
+    let model = Model::Physical { surfaces, light: light.of_leaves(&turbid.angles) };
     of_model(role, turbid, is_ground, model, settings)
 }
 

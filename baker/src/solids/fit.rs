@@ -80,6 +80,11 @@ impl Fit {
         &self.sites
     }
 
+    /// Whether each of them holds leaves.
+    pub(super) fn leaves(&self) -> &[bool] {
+        &self.leaves
+    }
+
     /// Sides that solids are seen from.
     pub(super) fn sides(&self) -> usize {
         self.corners.len()

@@ -84,13 +84,12 @@ impl NearOnSolids {
         let shares = self.shares(fit, near, gathered);
         near.par_iter_mut().enumerate().for_each(|(mean, field)| {
             for band in 0..field.bands {
-                let mut leaves = sites.iter().peekable();
-                let share = |(&site, share): (&u32, &f32)| {
-                    let is_leaf = leaves.next_if(|leaf| **leaf == site).is_some();
+                let share = |((&site, &is_leaf), share): ((&u32, &bool), &f32)| {
                     let kept = if is_leaf { kept(mean, site, band) } else { 0.0 };
                     share * field.value(band, site as usize) - kept
                 };
-                let values: Vec<f32> = fit.sites().iter().zip(&shares).map(share).collect();
+                let known = fit.sites().iter().zip(fit.leaves());
+                let values: Vec<f32> = known.zip(&shares).map(share).collect();
                 field.set_band(band, of_all.band(&values));
             }
         });

@@ -399,7 +399,8 @@ fn sites_of(
     let near = medium.near(single);
     let mut sites = vec![OfSite::default(); medium.sites().len()];
     // What the near beam's means are made of: of the even sky, then of each band of the sky.
-    let mut own: [Vec<f32>; 1 + BANDS] = std::array::from_fn(|_| vec![0.0; sites.len()]);
+    let of_near = if species.suns().has_near_beam() { sites.len() } else { 0 };
+    let mut own: [Vec<f32>; 1 + BANDS] = std::array::from_fn(|_| vec![0.0; of_near]);
     let towards: Vec<[f64; 3]> = parts.iter().map(|part| part.towards).collect();
     for_each_beam(&near, &towards, |number, beam| {
         for (site, beam) in sites.iter_mut().zip(&beam.mean) {
@@ -409,7 +410,7 @@ fn sites_of(
             own.iter_mut().zip(&beam.mean).for_each(|(sum, beam)| *sum += weight * beam);
         }
     });
-    if species.suns().has_near_beam() {
+    if of_near > 0 {
         add_near(&mut sites, &near, &own, means(single), *mean);
     }
     sites

@@ -128,7 +128,7 @@ fn light_of_harmonics_is_that_of_the_cpu() {
         let factors = y[..9]
             .iter()
             .map(|y| 1.5 * *y as f32)
-            .chain([1.5 * suns.near_factor(&sampler.turbid().angles, SUN[1]); 4]);
+            .chain([1.5 * sampler.turbid().angles.relative(SUN[1]) as f32; 4]);
         let mut terms = Vec::new();
         let near_count = if single { 3 } else { 4 };
         for (item, factor) in (1..1 + 9 + near_count as u8).zip(factors) {
