@@ -26,7 +26,7 @@ use crate::size::Measured;
 use crate::stages::{Stage, Stages};
 use crate::summary::{SpeciesSummary, misses_its_error, saving_lines, species_table, stage_table};
 use checks::{check_judge, check_names, check_settings};
-use model::{say_device, say_other_model};
+use model::{say_device, say_other_end, say_other_model};
 use settings::settings_of;
 
 /// The summary of a bake; `--json` prints it (cli/schema/bake.json).
@@ -62,6 +62,7 @@ pub(crate) fn run(args: &BakeArgs) -> Result<u8, Failure> {
         }
     }
     say_device(args)?;
+    say_other_end(args);
     let tell = |told: &str| say!("{told}");
     let cache = Cache::open(args.cache.as_ref(), &tell)?;
     say_other_model(args, &reader);

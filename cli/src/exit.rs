@@ -178,8 +178,14 @@ impl From<BandsError> for Failure {
         match error {
             BandsError::Surfaces { .. } => Failure::new(VERDICT, error),
             BandsError::NoColors { ref found, .. } => {
-                let some = if found.len() < 3 { &found[..1] } else { &found[..3] };
-                let shown = if some.len() == 1 { "grey" } else { "red, green and blue" };
+                // The flag's names stand between commas.
+                let named: Vec<&str> =
+                    found.iter().map(String::as_str).filter(|name| !name.contains(',')).collect();
+                let (some, shown) = match named.len() {
+                    0 => return Failure::new(USAGE, error),
+                    1 | 2 => (&named[..1], "grey"),
+                    3.. => (&named[..3], "red, green and blue"),
+                };
                 let flag = format!("--show-bands {} shows those as {shown}", some.join(","));
                 Failure::new(USAGE, format!("{error}; {flag}"))
             }
@@ -355,8 +361,9 @@ impl From<ArtefactError> for Failure {
 
 impl From<RenderError> for Failure {
     fn from(error: RenderError) -> Failure {
-        if let RenderError::Setting { name: "sky", found, expected } = &error {
-            return Failure::new(USAGE, format!("--ambient is {found}, expected {expected}"));
+        if let RenderError::Setting { name: name @ ("sky" | "indirect_scale"), found, expected } = &error {
+            let flag = if *name == "sky" { "--ambient" } else { "--indirect-scale" };
+            return Failure::new(USAGE, format!("{flag} is {found}, expected {expected}"));
         }
         let code = match &error {
             RenderError::Setting { .. } => USAGE,
@@ -447,8 +454,13 @@ impl From<StageError> for Failure {
             | StageError::NoBase { .. }
             | StageError::HighlightOfPhysical
             | StageError::NoSceneLight
-            | StageError::OnCpuAlone
-            | StageError::UnevenSkyOverPaper => Failure::new(USAGE, error),
+            | StageError::Models { .. }
+            | StageError::OnCpuAlone => Failure::new(USAGE, error),
+            StageError::UnevenSkyOverPaper => {
+                let mend =
+                    "--backdrop FILE, or `backdrop` of a scene's sky, draws an image and lights nothing";
+                Failure::new(USAGE, format!("{error}; {mend}"))
+            }
             _ => Failure::new(INTERNAL, error),
         }
     }

@@ -151,7 +151,10 @@ fn digits(value: f64) -> f64 {
 fn settings(species: &SpeciesInfo) -> String {
     let is_told =
         |key: &str| ["import.", "voxelise.", "solve.", "scene."].iter().any(|prefix| key.starts_with(prefix));
-    let told = species.settings.iter().filter(|(key, value)| is_told(key) && !value.is_array());
+    let told = species
+        .settings
+        .iter()
+        .filter(|(key, value)| is_told(key) && (!value.is_array() || key.as_str() == "import.offset_m"));
     let told: Vec<String> = told.map(|(key, value)| format!("{key} {value}")).collect();
     if told.is_empty() { "none recorded".to_owned() } else { told.join(", ") }
 }

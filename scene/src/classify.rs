@@ -6,6 +6,8 @@
 //!    leaf, and a texture of it that lets nothing through is wood, 5. a texture whose alpha really cuts is
 //!    leaf, 6. if all that is decided so far is leaf, an opaque rest that is not green is wood.
 //!
+//! Where parts of leaf and parts of wood wear a material whose name says that it is an atlas, their names go first.
+//!
 //! A name that ends in a noun of something that is no plant (`flower_pot`) ends the search: neither alpha nor the rest
 //! of the plant tells what a pot is. So does a part that is none of the plant's, as `UCX_trunk`, whatever material it
 //! wears; a name of both a leaf and a trunk; and cards, cut by alpha and neither brown nor grey, whose name is one of
@@ -226,7 +228,7 @@ fn by_itself(users: &Users, index: usize, patterns: &Patterns) -> Evidence {
     if let Some(pattern) = patterns.find(users, index) {
         return decided(pattern.class, format!("{} '{}'", pattern.origin, pattern.text));
     }
-    if users.is_of_things(index)
+    if (material.is_told_by_parts || users.is_of_things(index))
         && let Some(evidence) = by_parts(users, index)
     {
         return evidence;

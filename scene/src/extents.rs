@@ -12,6 +12,7 @@ mod card;
 mod enclosed;
 mod foot;
 mod mend;
+mod names;
 mod painted;
 mod seconds;
 #[cfg(test)]
@@ -155,7 +156,8 @@ pub enum Doubt {
         /// Kind of data that they look like.
         look: Painted,
     },
-    /// A few triangles as large as the plant are much of its leaf area, as cards that stand for it from afar are.
+    /// A few triangles as large as the plant are much of its leaf area, as the ground is, or cards that stand for a
+    /// plant from afar.
     Card {
         /// Number of these triangles.
         triangles: u64,
@@ -163,6 +165,15 @@ pub enum Doubt {
         share: f64,
         /// Names of their materials.
         materials: Vec<String>,
+    },
+    /// Parts that are called a trunk and are leaf alone, or are called leaves and are wood alone.
+    Names {
+        /// `MATERIAL@PART` of some of them.
+        parts: Vec<String>,
+        /// Area of all of them, square metres.
+        area_m2: f64,
+        /// Class that they have; `None` where some are leaf and some wood.
+        class: Option<MaterialClass>,
     },
     /// The wood begins high above the lowest leaf.
     HighWood {
@@ -212,6 +223,7 @@ impl Doubt {
             Doubt::Uncut { .. } => "uncut",
             Doubt::VertexColors { .. } => "vertex-colours",
             Doubt::Card { .. } => "card",
+            Doubt::Names { .. } => "names",
         }
     }
 }
@@ -253,7 +265,7 @@ impl Display for Doubt {
                     false => "nothing".to_owned(),
                 };
                 let area = number(*area_m2);
-                write!(f, "alpha leaves {left} of material {material:?}, whose triangles have {area} m^2")
+                write!(f, "alpha leaves {left} of {area} m^2 of the material {material:?}")
             }
             Doubt::WoodCut { material, image, cut } => write!(
                 f,
@@ -271,16 +283,28 @@ impl Display for Doubt {
             ),
             Doubt::VertexColors { material, look } => write!(
                 f,
-                "the colours of the vertices of material {material:?} {look} and multiply its texture, expected a tint: \
-                 data of wind or the like may lie there"
+                "the colours of the vertices of material {material:?} {look} and multiply its texture or base colour, \
+                 expected a tint: data of wind may lie there, or the colour a second time"
             ),
             Doubt::Card { triangles, share, materials } => write!(
                 f,
-                "{triangles} triangles as large as the plant are {:.0} % of its leaf area (material {}), as a card that \
-                 stands for it from afar is; expected leaves alone",
+                "{triangles} triangles as large as the plant are {:.0} % of its leaf area (material {}), as the ground is, \
+                 or a card that stands for a plant from afar; expected leaves alone",
                 100.0 * share,
                 list(materials)
             ),
+            Doubt::Names { parts, area_m2, class } => {
+                let [found, expected] = match class {
+                    Some(MaterialClass::Leaf) => ["leaf", "wood"],
+                    Some(_) => ["wood", "leaf"],
+                    None => ["of one class", "of the other"],
+                };
+                let (area, parts) = (number(*area_m2), list(parts));
+                write!(
+                    f,
+                    "{area} m2 are {found} by material, expected {expected} by the names of their parts: {parts}"
+                )
+            }
             Doubt::HighWood { above_m, height_m } => {
                 let [above, height] = [*above_m, *height_m].map(number);
                 write!(
@@ -303,7 +327,7 @@ impl Display for Doubt {
                 let [sheets, leaf, gap] = [*sheets_m2, *leaf_m2, *gap_m].map(number);
                 write!(
                     f,
-                    "{sheets} of {leaf} m2 of leaf have a second sheet of the same outline {gap} m behind or before \
+                    "{sheets} of {leaf} m2 of leaf have a second sheet {gap} m behind or before \
                      them, expected single leaves: either sheet counts as a leaf"
                 )
             }
@@ -329,13 +353,17 @@ pub fn doubts(plant: &ClassedMesh, read_as: &ImportSettings) -> Vec<Doubt> {
     let Some(extents) = Extents::of(plant) else { return Vec::new() };
     let of_size = extents.doubt(read_as);
     let of_wood = doubt_of_wood(plant, &extents, read_as.up.unwrap_or(Up::Y));
+    let of_parts = whole::doubts(plant, &extents);
+    // Of several plants no one is the foot.
+    let are_several = of_parts.iter().any(|doubt| matches!(doubt, Doubt::Apart { .. }));
     of_size
         .into_iter()
-        .chain(of_wood)
+        .chain(of_wood.filter(|_| !are_several))
         .chain(doubt_of_shells(plant))
         .chain(seconds::doubt(plant, extents.longest_m()))
         .chain(doubt_of_walls(plant, &extents))
-        .chain(whole::doubts(plant, &extents))
+        .chain(of_parts)
+        .chain(names::doubt(plant))
         .collect()
 }
 

@@ -18,6 +18,7 @@ mod soup;
 mod split;
 mod split_patterns;
 mod things;
+mod type_words;
 
 use std::io::Read;
 use std::path::Path;
@@ -34,6 +35,7 @@ pub use self::soup::{Up, area};
 pub use self::split_patterns::{is_met_by, splits};
 pub use self::things::told_of_part;
 pub(crate) use self::things::{Things, told_of_material};
+pub use self::type_words::in_words;
 
 use self::blend::place_blends;
 use self::choice::Choice;
@@ -120,9 +122,27 @@ pub fn import(path: &Path, settings: &ImportSettings) -> Result<Mesh, ImportErro
              off its coordinates (offset_m)"
         ));
     }
+    note_read(&mut files, &mesh);
     limit_size(&files, &mesh, unit_m)?;
     let Records { sources, warnings, notes } = files.into_records();
     Ok(Mesh { sources, warnings, notes, ..mesh })
+}
+
+/// Notes what many readers leave out, and this one reads.
+fn note_read(files: &mut Files, mesh: &Mesh) {
+    const LISTED: usize = 8;
+    if !mesh.colors.is_empty() {
+        files.note("colours of vertices multiply those of materials".to_owned());
+    }
+    let stated = mesh.materials.iter().filter_map(|material| {
+        let percent = 100.0 * material.diffuse_transmission?;
+        Some(format!("{percent:.0} % of '{}'", quoted(&material.name)))
+    });
+    let stated: Vec<String> = stated.take(LISTED).collect();
+    if !stated.is_empty() {
+        files
+            .note(format!("light that passes, by KHR_materials_diffuse_transmission: {}", stated.join(", ")));
+    }
 }
 
 /// Reads where the meshes of the glTF at `path` stand, as plants of a scene: those below the nodes that a pattern of

@@ -117,7 +117,7 @@ pub struct Material {
     /// Effect of alpha.
     pub alpha_mode: AlphaMode,
     /// Share of light that passes diffusely, from KHR_materials_diffuse_transmission: factor times the mean of its
-    /// texture over the surface. `None` where neither a factor nor a texture is stated.
+    /// texture over the surface. `None` without the extension.
     pub diffuse_transmission: Option<f32>,
     /// Whether a texture says where light passes.
     pub passes_by_texture: bool,
@@ -131,6 +131,8 @@ pub struct Material {
     /// Whether the alpha of the colour image may mean something else than where the surface is: no file says that it
     /// cuts.
     pub is_alpha_guessed: bool,
+    /// Whether the names of its parts say what it is, though its own name does: an atlas that leaves and wood share.
+    pub is_told_by_parts: bool,
     /// Surface that the texels state, once a bake has decided or a file of its light says so; `None`: a tint of the
     /// plant's leaf or wood ([`crate::color`]).
     pub surface: Option<MaterialSurface>,
@@ -151,6 +153,7 @@ impl Material {
             passing_texture: None,
             passing_color_texture: None,
             is_alpha_guessed: false,
+            is_told_by_parts: false,
             surface: None,
         }
     }

@@ -29,8 +29,9 @@ use crate::mesh::sides::{Sheets, Side};
 use crate::{MaterialClass, Mesh};
 
 /// Finds what is there twice, and tells it in `mesh.sheets`. Triangles that lie exactly on those of another material
-/// and are no other side of them are dropped. `classes` has one entry per material; where it has not, or where an index
-/// or coordinate of the mesh is not valid, nothing is found: the stages that read the mesh say what is wrong with it.
+/// and are no other side of them are dropped, as are third sheets of a leaf. `classes` has one entry per material;
+/// where it has not, or where an index or coordinate of the mesh is not valid, nothing is found: the stages that read
+/// the mesh say what is wrong with it.
 pub fn find(mesh: &mut Mesh, classes: &[MaterialClass]) {
     mesh.sheets = Sheets::default();
     if !is_sound(mesh, classes) {
@@ -54,7 +55,7 @@ pub fn find(mesh: &mut Mesh, classes: &[MaterialClass]) {
     if !hidden.is_empty() {
         let mut keep = vec![true; mesh.triangles.len()];
         hidden.iter().for_each(|&triangle| keep[triangle as usize] = false);
-        found.dropped += hidden.len() as u64;
+        found.further = hidden.len() as u64;
         let mut kept = keep.iter();
         found.sides.retain(|_| *kept.next().expect("one flag per triangle"));
         retain(mesh, &keep);

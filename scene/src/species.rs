@@ -69,7 +69,7 @@ use serde::Deserialize;
 
 use crate::classify::SpeciesRules;
 use crate::color::{ColorRule, ColorRules, SurfaceSet};
-use crate::import::{ImportError, ImportSettings, TEXT_BYTES, Up, excerpt, read_text};
+use crate::import::{ImportError, ImportSettings, TEXT_BYTES, Up, excerpt, in_words, read_text};
 use color::RawColor;
 use surfaces::{RawLeafModel, RawSurface};
 
@@ -180,7 +180,7 @@ impl SpeciesFile {
     pub fn parse(file: &str, text: &str) -> Result<SpeciesFile, ImportError> {
         let raw: Raw = toml::from_str(text).map_err(|error| ImportError::Syntax {
             file: file.to_owned(),
-            message: excerpt(error.to_string().trim_end().to_owned()),
+            message: excerpt(in_words(error.to_string().trim_end())),
         })?;
         let malformed = |place: &str, found: String, expected: &str| ImportError::Malformed {
             file: file.to_owned(),

@@ -116,10 +116,22 @@ pub enum StageError {
         /// Last place of any species.
         last: usize,
     },
+    /// Species of both models.
+    #[error(
+        "species {:?} ({}) is of the model {}, species {:?} ({}) of {}: expected one model, as their light is in \
+         different units",
+        .species[0].0, .species[0].1.display(), .models[0], .species[1].0, .species[1].1.display(), .models[1]
+    )]
+    Models {
+        /// Two species: their names in the scene, and the files of their light.
+        species: Box<[(String, PathBuf); 2]>,
+        /// Names of the models of their light.
+        models: [&'static str; 2],
+    },
     /// A file of the model `paper` under an uneven sky.
     #[error(
-        "an uneven sky is for physical files: a paper file does not say what comes from the sky itself (a backdrop is \
-         only drawn)"
+        "an uneven sky lights files of the model physical alone: a paper file does not say what comes from the sky \
+         itself"
     )]
     UnevenSkyOverPaper,
     /// Highlights on plants of the model `physical`.
@@ -140,7 +152,8 @@ pub enum StageError {
     },
     /// Scene light that was baked for another plant by a name.
     #[error(
-        "is the light of another plant by the name {species:?} than that of {library}: bake it again with flb bake-scene",
+        "is made of another light of species {species:?} than {library} holds now (of another mesh, model or optics): make \
+         it again with flb bake-scene",
         library = .library.display()
     )]
     OtherPlant {

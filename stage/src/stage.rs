@@ -29,13 +29,22 @@ impl Stage {
     /// Puts a scene together. Plants whose libraries are of one file share one from here on.
     ///
     /// # Errors
-    /// [`StageError::PlantCount`] unless there is a plant for each species.
+    /// [`StageError::PlantCount`] unless there is a plant for each species; [`StageError::Models`].
     pub fn new(scene: Scene, mut plants: Vec<ScenePlant>) -> Result<Stage, StageError> {
-        plant::share(&mut plants);
-        match plants.len() == scene.species.len() {
-            true => Ok(Stage { scene, plants, scene_light: None }),
-            false => Err(StageError::PlantCount { found: plants.len(), expected: scene.species.len() }),
+        if plants.len() != scene.species.len() {
+            return Err(StageError::PlantCount { found: plants.len(), expected: scene.species.len() });
         }
+        plant::share(&mut plants);
+        let lit = || (0..plants.len()).filter_map(|index| Some((index, plants[index].model()?)));
+        if let Some((first, model)) = lit().next()
+            && let Some((other, of_other)) = lit().find(|(_, found)| *found != model)
+        {
+            let file = |index: usize| plants[index].library().map(|(library, _)| library.path().to_owned());
+            let named = |index: usize| (scene.species[index].name.clone(), file(index).unwrap_or_default());
+            let species = Box::new([first, other].map(named));
+            return Err(StageError::Models { species, models: [model, of_other] });
+        }
+        Ok(Stage { scene, plants, scene_light: None })
     }
 
     /// Adds scene light: what the scene's plants do to each other's light.

@@ -4,7 +4,7 @@
 use std::collections::BTreeMap;
 
 use flb_format::Placement;
-use flb_format::beam::Near;
+use flb_format::beam::{Near, single};
 use flb_render::Lighting;
 use flb_render::forest::Fragments;
 use flb_runtime::scene_light::SceneLightAtSun;
@@ -14,10 +14,24 @@ use rayon::prelude::*;
 use crate::light::{Skies, of_plants};
 
 /// Nanoseconds of a march from a point along the sun, and of a site: of the sums that all suns share, and of a sun.
-/// Only their ratios count (`cargo bench -p flb-tests --bench rings -- oak 80000 128`).
-const MARCH: u64 = 8_000;
-const SUMS: u64 = 5_300;
-const SUN: u64 = 750;
+/// Only their ratios count.
+struct Costs {
+    march: u64,
+    sums: u64,
+    sun: u64,
+}
+
+impl Costs {
+    /// By the rays that cross an edge of a site: one of large lattices (`cargo bench -p flb-tests --bench rings -- oak
+    /// 80000 128`), two of others (`-- oak 80000 64`).
+    fn of(species: &SpeciesLight<'_>) -> Costs {
+        match single::rays(species.grid().lattice) {
+            1 => Costs { march: 8_000, sums: 5_300, sun: 750 },
+            _ => Costs { march: 6_000, sums: 15_000, sun: 2_000 },
+        }
+    }
+}
+
 /// Most suns of a species, and most memory of all suns of a picture, of 16 bytes a site each.
 const MAX_SUNS: usize = 32;
 const MAX_BYTES: usize = 512 << 20;
@@ -103,13 +117,13 @@ fn choose(
         alike.points += u64::from(points[plant]);
         looks = offsets as u64;
     }
-    let sites = species.near_sites();
+    let (sites, costs) = (species.near_sites(), Costs::of(species));
     let of_sites = |cost: u64| sites as u64 * cost;
-    let gain = |alike: &Alike| (alike.points * looks * MARCH).saturating_sub(of_sites(SUN));
+    let gain = |alike: &Alike| (alike.points * looks * costs.march).saturating_sub(of_sites(costs.sun));
     let mut chosen: Vec<Alike> = suns.into_values().filter(|alike| gain(alike) > 0).collect();
     chosen.sort_by_key(|alike| std::cmp::Reverse(alike.points));
     chosen.truncate(MAX_SUNS.min(*left / (sites * SITE_BYTES).max(1)));
-    if chosen.iter().map(gain).sum::<u64>() <= GAIN * of_sites(SUMS) {
+    if chosen.iter().map(gain).sum::<u64>() <= GAIN * of_sites(costs.sums) {
         return Vec::new();
     }
     *left -= chosen.len() * sites * SITE_BYTES;
@@ -158,18 +172,20 @@ mod tests {
         let lit = || of_plants(&light, None, &placements, &lighting, None, 1).expect("a sun");
         let marched = lit();
         let sites = light.iter().flatten().map(SpeciesLight::near_sites).max().expect("two species") as u32;
+        // Sums pay by some rays a site.
+        let many = 6 * sites;
         assert!(sites > 0 && marched.iter().flatten().all(|one| one.marches().is_some()));
         let of = |points: [u32; 4]| prepare(&light, &placements, lit(), &points);
         let marching = |lit: &[Option<InstanceLight>]| -> Vec<bool> {
             lit.iter().flatten().map(|one| one.marches().is_some()).collect()
         };
         assert_eq!(marching(&of([1; 4])), [true; 4]);
-        assert_eq!(marching(&of([sites, 0, 0, 0])), [false, true, true, true]);
-        let some = of([sites, 1, 1, 1]);
+        assert_eq!(marching(&of([many, 0, 0, 0])), [false, true, true, true]);
+        let some = of([many, 1, 1, 1]);
         assert_eq!(marching(&some), [false, false, true, true]);
         let [Some(first), Some(second)] = &some[..2] else { panic!("they have light") };
         assert!(Arc::ptr_eq(first.prepared_sun().expect("a sun"), second.prepared_sun().expect("a sun")));
-        assert_eq!(marching(&of([sites; 4])), [false; 4]);
+        assert_eq!(marching(&of([many; 4])), [false; 4]);
         let alone = light[0].as_ref().expect("light").lit_by(&lighting.daylight, &placements[0].transform);
         let alone = alone.expect("a sun").prepared();
         for number in 0..50_u8 {
@@ -181,6 +197,6 @@ mod tests {
         }
         lighting.daylight.sun = 0.0;
         let night = of_plants(&light, None, &placements, &lighting, None, 1).expect("no sun");
-        assert_eq!(marching(&prepare(&light, &placements, night, &[sites; 4])), [false; 4]);
+        assert_eq!(marching(&prepare(&light, &placements, night, &[many; 4])), [false; 4]);
     }
 }

@@ -35,8 +35,8 @@ pub(crate) struct BakeSceneArgs {
     /// Passes, or sweeps of the papers' lattice, after which a solve gives up
     #[arg(long, default_value_t = SceneSettings::default().max_passes, value_name = "N")]
     pub max_sweeps: u32,
-    /// Folder that keeps the light of species alone, or s3://BUCKET/PREFIX: when plants move, only the scene's own is
-    /// solved again
+    /// Folder that keeps the light of species alone, or s3://BUCKET/PREFIX: when plants move in the box around all of
+    /// them, only the scene's own is solved again
     #[arg(long, value_name = "DIR", value_parser = cache_place())]
     pub cache: Option<Place>,
     #[command(flatten)]

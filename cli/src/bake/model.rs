@@ -88,6 +88,13 @@ pub(crate) fn say_device(args: &BakeArgs) -> Result<(), Failure> {
     Ok(())
 }
 
+/// Says where the papers' preset is solved to a tolerance, in place of their steps.
+pub(crate) fn say_other_end(args: &BakeArgs) {
+    if let Some(found) = recipe(args).in_place_of_steps(machine(args)) {
+        say!("warning: --{found} solves to a tolerance, in place of the 2N steps of --quality papers");
+    }
+}
+
 /// Says where the species file describes leaves for the other model only.
 pub(crate) fn say_other_model(args: &BakeArgs, reader: &MeshReader) {
     let Some((species, path)) = reader.plants.species.as_ref().zip(args.mesh.species.as_deref()) else {

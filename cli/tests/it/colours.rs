@@ -91,6 +91,27 @@ fn a_file_that_states_another_colour_than_the_mesh_has_is_told() {
 }
 
 #[test]
+fn a_file_that_states_another_colour_of_wood_than_the_mesh_has_is_told() {
+    let folder = plant(GREEN, GREEN);
+    folder.write(
+        "m.mtl",
+        format!("newmtl leaf\n{GREEN}\nnewmtl petal_leaf\n{GREEN}\nnewmtl bark\nKd 0.9 0.9 0.9\n"),
+    );
+    let told = "states another colour than the mesh has, and the mesh's is taken; wood_colour = \"measured\"";
+    for (wood, is_told) in [(0.4_f64, true), (0.15, false)] {
+        let bands = [("R", 0.07, wood), ("G", 0.125, wood.min(0.12)), ("B", 0.04, wood.min(0.09))].map(|(name, leaf, wood)| {
+            format!("[[surfaces]]\nname = \"{name}\"\nleaf = {{ reflectance = {leaf}, transmittance = 0.05 }}\nwood = {{ reflectance = {wood} }}\n")
+        });
+        folder.write("stated.toml", bands.concat());
+        let run = bake(&folder, "a.flb", &["--species", "stated.toml", "--force"]);
+        assert_eq!(run.stderr.contains(told), is_told, "{wood}: {}", run.stderr);
+    }
+    folder.write("m.toml", "wood_colour = \"measured\"\nleaf_model = { wood = [0.4, 0.4, 0.4] }\n");
+    let run = bake(&folder, "a.flb", &["--species", "m.toml", "--force"]);
+    assert!(!run.stderr.contains(told), "{}", run.stderr);
+}
+
+#[test]
 fn green_leaves_bake_to_the_same_bytes_whether_the_flag_is_given_or_not() {
     let folder = plant(GREEN, "Kd 0.02 0.3 0.01");
     let run = bake(&folder, "a.flb", &[]);

@@ -473,7 +473,10 @@ fn what_a_scene_lacks_is_named() {
         ["bake", "shrub.glb", "-o", "other.flb", "--lattice", "16", "--voxels", "128", "--suns", "sh1"];
     folder.flb_with(&bake, &["--ordinates", "18"]);
     edited("light = \"shrub.flb\"", "light = \"other.flb\"\nlight_species = \"shrub\"");
-    render(&["--force"]).expect_code(2).says(&["species 1 is shaded by another model than species 0"]);
+    render(&["--force"]).expect_code(2).says(&[
+        "is of the model paper, species \"",
+        "(other.flb) of physical: expected one model, as their light is in different units",
+    ]);
 }
 
 #[test]

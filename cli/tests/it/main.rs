@@ -32,6 +32,7 @@ mod mistakes;
 mod nightly;
 mod odd_meshes;
 mod outputs;
+mod papers;
 mod physical;
 mod plan;
 mod remote;

@@ -340,6 +340,12 @@ fn the_papers_preset_is_their_settings_one_by_one_and_no_loss() {
     let of_plant = &solve.expect("a stage")["solves"][0];
     assert_eq!((&of_plant["sweeps"], &of_plant["solver"]), (&json!(32), &json!("explicit")));
     assert_eq!(of_plant["solves"], of_plant["converged"]);
+    // What ends a solve in another way is told.
+    for flag in [["--solver", "sweep"], ["--tolerance", "1e-3"]] {
+        let words = [&words[..6], &["-o", "told.flb", "--quality", "papers", "--force"], &flag].concat();
+        let told = "solves to a tolerance, in place of the 2N steps of --quality papers";
+        folder.flb(&words).expect_code(0).says(&[&format!("warning: {}", flag[0]), told]);
+    }
     // The f64 iteration of the papers is lossless there, too, where its tolerance is not met.
     bake("literal.flb", &["--quality", "papers", "--solver", "literal"]);
     // Their indirect light counts once.

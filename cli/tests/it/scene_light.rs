@@ -153,15 +153,17 @@ fn light_of_another_plant_by_the_same_name_is_refused() {
     folder.write("stand.toml", scene.replace("oak.flb", "plants.flb").replace("shrub.flb", "plants.flb"));
     render(&folder, &with).expect_code(0);
     folder.write("stand.toml", scene);
-    let says = ["stand.flb", "another plant by the name \"oak\"", "oak.flb", "bake it again"];
-    for flags in [&QUICK[4..], &PAPER[..]] {
+    let says = ["stand.flb", "made of another light of species \"oak\"", "oak.flb", "make it again"];
+    // One of the other model does not fit its neighbours either.
+    let of_models = ["oak.flb", "is of the model paper", "shrub.flb", "expected one model"];
+    for (flags, says) in [(&QUICK[4..], &says), (&PAPER[..], &of_models)] {
         let coarser = ["bake", "oak.glb", "-o", "oak.flb", "--force", "--voxels", "64"];
         folder.flb_with(&coarser, &[&QUICK[..2], flags].concat());
-        render(&folder, &with).expect_code(2).says(&says);
+        render(&folder, &with).expect_code(2).says(says);
         folder
             .flb(&["view", "stand.toml", "--scene-light", "stand.flb", "--screenshot", "v.png"])
             .expect_code(2)
-            .says(&says);
+            .says(says);
     }
 }
 

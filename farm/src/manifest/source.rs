@@ -1,7 +1,7 @@
 //! The text of a manifest, and errors at places in it.
 
 use flb_scene::ImportError;
-use flb_scene::import::excerpt;
+use flb_scene::import::{excerpt, in_words};
 
 use super::nearest::with_nearest;
 
@@ -42,7 +42,7 @@ impl Source {
 
     /// What the parser says, with its line and column, and the key that an unknown one may have meant.
     pub(super) fn syntax(&self, error: &toml::de::Error) -> ImportError {
-        let message = with_nearest(error.to_string().trim_end());
+        let message = with_nearest(&in_words(error.to_string().trim_end()));
         ImportError::Syntax { file: self.file.clone(), message: excerpt(message) }
     }
 }

@@ -103,6 +103,21 @@ impl Recipe {
         self.model() == ModelName::Physical
     }
 
+    /// The setting that ends a solve of `quality papers` by a tolerance, in place of the papers' 2N steps, if one does.
+    pub fn in_place_of_steps(&self, machine: Machine) -> Option<&'static str> {
+        let has_steps = PaperSettings::of(self.quality()).steps.is_some();
+        self.end_by_tolerance(machine).filter(|_| has_steps && self.model() == ModelName::Paper)
+    }
+
+    /// The setting by which a solve of the papers' model ends when a tolerance is met, if one is given.
+    fn end_by_tolerance(&self, machine: Machine) -> Option<&'static str> {
+        match machine {
+            Machine::Gpu { .. } => Some("backend gpu"),
+            Machine::Cpu if self.tolerance.is_some() => Some("tolerance"),
+            Machine::Cpu => (self.solver == Some(SolverName::Sweep)).then_some("solver sweep"),
+        }
+    }
+
     fn max_sweeps(&self) -> u32 {
         self.max_sweeps.unwrap_or(DEFAULT_MAX_SWEEPS)
     }
@@ -113,21 +128,14 @@ impl Recipe {
             return refuse(format!("`{key}` is for `model physical`; the paper model has no such choice"));
         }
         let preset = PaperSettings::of(self.quality());
-        // A tolerance, a GPU or sweeps end a solve in another way than the papers'.
-        let is_swept = self.solver == Some(SolverName::Sweep);
-        let is_ended = self.tolerance.is_some() || machine != Machine::Cpu || is_swept;
-        let steps = self.steps.map(Steps::Count).or(preset.steps.filter(|_| !is_ended));
+        let end = self.end_by_tolerance(machine);
+        let steps = self.steps.map(Steps::Count).or(preset.steps.filter(|_| end.is_none()));
         if self.steps == Some(0) {
             return refuse("`steps` is 0, expected 1 or more".to_owned());
         }
-        if self.steps.is_some() && is_ended {
-            let found = match (machine, self.tolerance.is_some()) {
-                (Machine::Gpu { .. }, _) => "`backend gpu`",
-                (Machine::Cpu, true) => "`tolerance`",
-                (Machine::Cpu, false) => "`solver sweep`",
-            };
+        if let Some(found) = end.filter(|_| self.steps.is_some()) {
             return refuse(format!(
-                "`steps` with {found}, which goes until the tolerance is met: expected `solver explicit` or literal"
+                "`steps` with `{found}`, which goes until the tolerance is met: expected `solver explicit` or literal"
             ));
         }
         let tolerance = self.tolerance.unwrap_or(preset.tolerance);

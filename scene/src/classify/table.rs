@@ -28,7 +28,7 @@ pub struct MaterialRow {
     pub left: f64,
     /// Mean linear R, G, B over what is left; `None` where nothing is.
     pub mean_colour: Option<[f64; 3]>,
-    /// Labels of the nodes or groups that use it, at most 8.
+    /// Labels of the nodes or groups that use it, at most 8; of an undecided material with what each is a part of.
     pub parts: Vec<String>,
     /// Number of parts.
     pub part_count: u64,
@@ -76,7 +76,12 @@ pub fn rows(mesh: &Mesh, found: &[Found]) -> Vec<MaterialRow> {
             let (count, labels) = &mut parts[used.material as usize];
             *count += 1;
             if labels.len() < LISTED {
-                labels.push(part.label());
+                let of = match (&found[used.material as usize], part.names.get(1..)) {
+                    // Who has to decide sees the meshes, too.
+                    (Found::Open(_), Some(of @ [_, ..])) => format!(" ({})", of.join(", ")),
+                    _ => String::new(),
+                };
+                labels.push(part.label() + &of);
             }
         }
     }

@@ -15,8 +15,8 @@ use std::collections::HashMap;
 use std::sync::LazyLock;
 
 use lists::{
-    AND, COVERS, FOREIGN, FOREIGN_WITHIN, LEAF, LEAF_WITHIN, LEAVES, NEUTRAL, OF, PLURALS, STAND_INS,
-    STAND_INS_WITHIN, TRUNKS, WOOD, WOOD_WITHIN,
+    AND, ATLASES, COVERS, FOREIGN, FOREIGN_WITHIN, GROWN, LEAF, LEAF_WITHIN, LEAVES, NEUTRAL, OF, PLURALS,
+    STAND_INS, STAND_INS_WITHIN, TRUNKS, WOOD, WOOD_WITHIN,
 };
 use unicode_normalization::UnicodeNormalization;
 
@@ -73,6 +73,20 @@ fn head_before(before: &[String], word: &str) -> Option<String> {
     next.or(of).cloned()
 }
 
+/// Whether a name is that of an image of several things: `leaf_atlas`.
+pub(crate) fn is_of_several(name: &str) -> bool {
+    parts_of_name(name).iter().any(|part| is_in(ATLASES, part))
+}
+
+/// Whether a word of a class says that and nothing else: leaves, or a trunk. A branch may be a card of leaves.
+pub(crate) fn is_plainly(class: MaterialClass, word: &str) -> bool {
+    match class {
+        MaterialClass::Leaf => is_in(LEAVES, word),
+        MaterialClass::Wood => is_in(TRUNKS, word),
+        MaterialClass::Neither => false,
+    }
+}
+
 /// The word of a name that says it is something beside a plant that stands for it.
 pub fn stand_in(name: &str) -> Option<String> {
     stand_in_of(&parts_of_name(name))
@@ -101,6 +115,18 @@ fn both(parts: &[String], class: MaterialClass) -> Option<Told> {
     };
     if let Some(found) = halves(LEAVES, TRUNKS).or_else(|| halves(TRUNKS, LEAVES)) {
         return Some(found);
+    }
+    if class == MaterialClass::Leaf && is_in(GROWN, last) {
+        let says = |part: &&String| !is_neutral(part) && !is_in(AND, part) && !is_in(OF, part);
+        let on = before.iter().rev().find(says);
+        // A wood fern is a fern.
+        let is_bark = |part: &&String| {
+            matches!(told_by_part(part), Told::Class(MaterialClass::Wood, _))
+                && !(part.as_str() == "wood" && last.starts_with("fern"))
+        };
+        if let Some(part) = on.filter(is_bark) {
+            return Some(said([part, last]));
+        }
     }
     let mut joined = false;
     let mut is_next = true;
@@ -333,6 +359,13 @@ mod tests {
             "Leaves_Oak_Bark",
             "leaf_and_stem",
             "Rinde_und_Laub",
+            "Bark_Moss",
+            "trunk_with_moss",
+            "Wood_Moss_01",
+            "Stem_flower",
+            "branch_blossom",
+            "bark_leafy",
+            "bark_moss_diff",
         ];
         for name in both {
             assert!(matches!(told(name), Told::Both(_)), "{name}: {:?}", told(name));
@@ -349,6 +382,10 @@ mod tests {
             ("stem_leaf", Leaf),
             ("twig_bark", Wood),
             ("leaf_stem", Wood),
+            ("wood_fern_01", Leaf),
+            ("rock_fern", Leaf),
+            ("oak_moss", Leaf),
+            ("twig_flower", Leaf),
         ];
         for (name, class) in one {
             assert_eq!(class_of_name(name).map(|(class, _)| class), Some(class), "{name}");

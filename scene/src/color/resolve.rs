@@ -13,6 +13,11 @@ use crate::alpha::Coverage;
 use crate::mesh::Material;
 use crate::{MaterialClass, Mesh};
 
+/// Reflectance of common bark in R, G and B ([`crate::leaf::bark_reflectance`]).
+const BARK: [f64; 3] = [0.153, 0.123, 0.090];
+/// What differs by less from common bark is that.
+const AS_BARK: f64 = 0.02;
+
 /// Means over the points of a mesh that are no further than this from the measured shares are these.
 const SAMPLING: f64 = 0.005;
 
@@ -211,10 +216,13 @@ impl Decision {
                         (Texel::Tint, format!("near the measured colour, {apart:.2} apart"), false)
                     }
                     Evidence::Far(difference) => {
-                        // A user who states what leaves reflect may not know that the mesh has the last word.
-                        if is_leaf && rules.has_surface(&material.name) {
+                        // A user who states what leaves or wood reflect may not know that the mesh has the last word.
+                        // Surfaces of leaves come with some of wood, which state nothing where they are common bark's.
+                        let is_bark = (0..3).all(|band| (reflected(band) - BARK[band]).abs() < AS_BARK);
+                        if (is_leaf || !is_bark) && rules.has_surface(&material.name) {
+                            let key = if is_leaf { "leaf_colour" } else { "wood_colour" };
                             warning = Some(format!(
-                                "{} states another colour than the mesh has, and the mesh's is taken; leaf_colour = \
+                                "{} states another colour than the mesh has, and the mesh's is taken; {key} = \
                                  \"measured\" takes the one that is stated",
                                 rules.file
                             ));

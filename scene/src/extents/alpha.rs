@@ -28,7 +28,27 @@ pub(super) fn doubts(plant: &ClassedMesh) -> Vec<Doubt> {
         }
     }
     let used = triangles.into_iter().enumerate().filter(|(_, of_it)| !of_it.is_empty());
-    used.filter_map(|(index, triangles)| of_material(mesh, index, plant.classes[index], &triangles)).collect()
+    let found =
+        used.filter_map(|(index, triangles)| of_material(mesh, index, plant.classes[index], &triangles));
+    let mut doubts: Vec<Doubt> = Vec::new();
+    for doubt in found {
+        // Of a material that was split by the alpha of its vertices one is told.
+        let same = doubts.iter_mut().find_map(|known| match (known, &doubt) {
+            (
+                Doubt::CutAway { material, area_m2, left },
+                Doubt::CutAway { material: other, area_m2: more_m2, left: of_other },
+            ) if material == other => Some((area_m2, left, *more_m2, *of_other)),
+            _ => None,
+        });
+        match same {
+            Some((area_m2, left, more_m2, of_other)) => {
+                *left = (*left * *area_m2 + of_other * more_m2) / (*area_m2 + more_m2);
+                *area_m2 += more_m2;
+            }
+            None => doubts.push(doubt),
+        }
+    }
+    doubts
 }
 
 fn of_material(mesh: &Mesh, index: usize, class: MaterialClass, triangles: &[u32]) -> Option<Doubt> {
@@ -60,9 +80,12 @@ fn gloss(mesh: &Mesh, material: &Material, coverage: &Coverage, triangles: &[u32
     let image = image_of(mesh, material).filter(|image| image.has_cut && soft_share(image) > MAX_SOFT)?;
     let [left_m2, area_m2] = left_of(mesh, coverage, some(triangles));
     let cut = 1.0 - left_m2 / area_m2;
+    // Of one point of an image that image is told, which its maker knows.
+    let of_color = material.color_texture.and_then(|texture| mesh.images.get(texture.image as usize));
+    let told = of_color.filter(|_| (image.width, image.height) == (1, 1)).unwrap_or(image);
     (cut >= MIN_OUTSIDE).then(|| Doubt::WoodCut {
         material: material.name.clone(),
-        image: image.name.clone(),
+        image: told.name.clone(),
         cut,
     })
 }

@@ -1,10 +1,10 @@
-//! Whether cards that stand for the whole plant from afar are among its leaves.
+//! Whether cards that stand for the whole plant from afar, or the ground under it, are among its leaves.
 
 use super::{Doubt, Extents};
 use crate::import::area;
 use crate::{ClassedMesh, MaterialClass};
 
-/// A triangle that spans this share of the plant's height and of its width is no leaf.
+/// A triangle that spans this share of the plant's height and of its width, or of its width both ways, is no leaf.
 const SPAN: f64 = 0.4;
 /// Such triangles are cards beside leaves where they are no more than this share of all leaf triangles..
 const MAX_COUNT: f64 = 0.05;
@@ -32,7 +32,8 @@ pub(super) fn doubt(plant: &ClassedMesh, extents: &Extents) -> Option<Doubt> {
         };
         let area_m2 = area(points) * mesh.sheets.side(triangle).share();
         (triangles, leaf_m2) = (triangles + 1, leaf_m2 + area_m2);
-        if span(1) >= SPAN * height && libm::hypot(span(0), span(2)) >= SPAN * widest {
+        let is_upright = span(1) >= SPAN * height && libm::hypot(span(0), span(2)) >= SPAN * widest;
+        if is_upright || span(0) >= SPAN * width && span(2) >= SPAN * depth {
             (of_cards, cards_m2) = (of_cards + 1, cards_m2 + area_m2);
             if !materials.contains(&material) && materials.len() < LISTED {
                 materials.push(material);

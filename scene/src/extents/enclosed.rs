@@ -31,6 +31,9 @@ const MIN_BARE: f64 = 0.2;
 const POINTS: u32 = 1024;
 const RAYS: u32 = 48;
 
+/// Points of leaf among those of leaf and wood that tell enough of the leaves.
+const MIN_POINTS: usize = 64;
+
 /// Share of all directions that a leaf sees past wood, up to which it is enclosed.
 pub(super) const OPEN: f64 = 0.15;
 
@@ -93,6 +96,16 @@ impl Wood {
                 }
                 MaterialClass::Neither => {}
             }
+        }
+        if leaves.len() < MIN_POINTS {
+            // Beside large walls leaves have hardly a point: they get their own.
+            let class = |of: &MaterialClass| match of {
+                MaterialClass::Wood => MaterialClass::Neither,
+                other => *other,
+            };
+            let alone = ClassedMesh { mesh: mesh.clone(), classes: classes.iter().map(class).collect() };
+            let points = surface_points(&alone, POINTS, false).ok()?;
+            leaves = points.iter().map(|point| Vec3::from(point.position_m)).collect();
         }
         let triangles: Vec<[u32; 3]> = (0..mesh.triangles.len() as u32)
             .filter(|&triangle| class_of(triangle) == MaterialClass::Wood)

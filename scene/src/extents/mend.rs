@@ -29,7 +29,9 @@ impl Mend {
             }
             Doubt::CutAway { .. } => {
                 let alpha = self.alpha();
-                format!("look at its image's alpha channel, or keep all of it ({alpha})")
+                format!(
+                    "look at the alpha of its image, of its vertices and its factor, or keep all of it ({alpha})"
+                )
             }
             Doubt::WoodCut { .. } => {
                 let alpha = self.alpha();
@@ -44,6 +46,10 @@ impl Mend {
                 let nodes = self.words("--node", "`nodes`");
                 let ignored = self.words("--ignore", "`ignore`");
                 format!("{nodes} chooses nodes or groups, {ignored} leaves out a material")
+            }
+            Doubt::Names { .. } => {
+                let words = self.words("--wood and --leaf", "`wood` and `leaf`");
+                format!("{words} say what each is, with MATERIAL@PART as here")
             }
             Doubt::HighWood { .. } | Doubt::NoWood | Doubt::NoLeaf => {
                 let words = self.words("--wood, --leaf and --ignore", "`wood`, `leaf` and `ignore`");

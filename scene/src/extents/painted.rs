@@ -1,9 +1,12 @@
-//! Whether colours of vertices are colours: over a texture they are a tint, in many exports data of wind.
+//! Whether colours of vertices are colours: over a texture or a base colour they are a tint, in many exports data of
+//! wind, or that colour once more.
 
 use std::fmt::{self, Display};
 
 use super::Doubt;
-use crate::{ClassedMesh, MaterialClass};
+use crate::rays::uv;
+use crate::texture::{SrgbTable, color};
+use crate::{ClassedMesh, MaterialClass, Mesh};
 
 /// Colours of vertices that are no tint.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -12,14 +15,26 @@ pub enum Painted {
     Black,
     /// One of red, green and blue has nearly all.
     OneChannel,
+    /// One of red, green and blue is not there.
+    TwoChannels,
     /// Red, green and blue each are the strongest of many vertices.
     AllHues,
+    /// Colours of the texture, or the base colour, a second time.
+    Same,
 }
 
 /// Mean of the brightest channel below which colours are black.
 const MAX_BLACK: f64 = 0.02;
 /// Share of all light that one channel has alone.
 const MIN_ALONE: f64 = 0.95;
+/// Share of all light of the channel that is not there, at most.
+const MAX_LACKING: f64 = 0.005;
+/// How far colours are from those of the texture at most, as a share of the sum of both, where they repeat them.
+const MAX_APART: f64 = 0.06;
+/// Colours brighter than this in the mean tell nothing by being the same.
+const MAX_SAME: f64 = 0.6;
+/// Triangles of a material whose texture is looked at.
+const LOOKED_AT: usize = 1024;
 /// Share of the vertices of which each channel is the strongest where they are of all hues: leaves that are painted,
 /// from green to red in autumn, are hardly blue; of random numbers a fifth is.
 const MIN_STRONGEST: f64 = 0.1;
@@ -31,7 +46,9 @@ impl Display for Painted {
         f.write_str(match self {
             Painted::Black => "are black",
             Painted::OneChannel => "are of one of red, green and blue alone",
+            Painted::TwoChannels => "lack one of red, green and blue",
             Painted::AllHues => "are of all hues",
+            Painted::Same => "are nearly those of its texture or base colour",
         })
     }
 }
@@ -70,6 +87,9 @@ impl Sums {
         if self.light.iter().any(|light| *light > MIN_ALONE * all) {
             return Some(Painted::OneChannel);
         }
+        if self.light.iter().any(|light| *light <= MAX_LACKING * all) {
+            return Some(Painted::TwoChannels);
+        }
         let is_often = |strongest: &f64| *strongest >= MIN_STRONGEST * self.count;
         self.strongest.iter().all(is_often).then_some(Painted::AllHues)
     }
@@ -81,20 +101,42 @@ pub(super) fn doubts(plant: &ClassedMesh) -> Vec<Doubt> {
     if mesh.colors.is_empty() {
         return Vec::new();
     }
-    let has_texture = |material: usize| {
-        let image = mesh.materials[material].color_texture.map(|texture| texture.image as usize);
-        let image = image.and_then(|image| mesh.images.get(image));
+    // Over white they are the colour itself.
+    let has_color = |material: usize| {
+        let of = &mesh.materials[material];
+        let image = of.color_texture.and_then(|texture| mesh.images.get(texture.image as usize));
+        let has_texture = image.is_some_and(|image| image.width > 1 || image.height > 1);
         let is_plant = plant.classes[material] != MaterialClass::Neither;
-        is_plant && image.is_some_and(|image| image.width > 1 || image.height > 1)
+        is_plant && (has_texture || of.base_color[..3] != [1.0; 3])
     };
-    let textured: Vec<bool> = (0..mesh.materials.len()).map(has_texture).collect();
+    let colored: Vec<bool> = (0..mesh.materials.len()).map(has_color).collect();
     let mut sums = vec![Sums::default(); mesh.materials.len()];
-    for (triangle, &material) in mesh.triangles.iter().zip(&mesh.triangle_material) {
-        if textured[material as usize] {
+    let mut triangles: Vec<Vec<u32>> = vec![Vec::new(); mesh.materials.len()];
+    for (number, (triangle, &material)) in (0u32..).zip(mesh.triangles.iter().zip(&mesh.triangle_material)) {
+        if colored[material as usize] {
             triangle.iter().for_each(|vertex| sums[material as usize].add(mesh.colors[*vertex as usize]));
+            triangles[material as usize].push(number);
         }
     }
-    let looks =
-        sums.iter().zip(&mesh.materials).filter_map(|(sums, material)| Some((sums.look()?, material)));
+    let look = |index: usize| {
+        let used = !triangles[index].is_empty();
+        used.then(|| sums[index].look().or_else(|| repeat(mesh, index, &triangles[index])))?
+    };
+    let looks = (0..mesh.materials.len()).filter_map(|index| Some((look(index)?, &mesh.materials[index])));
     looks.map(|(look, material)| Doubt::VertexColors { material: material.name.clone(), look }).collect()
+}
+
+/// Whether colours of vertices are those of the texture there, or of the base colour.
+fn repeat(mesh: &Mesh, index: usize, triangles: &[u32]) -> Option<Painted> {
+    const MIDDLE: [f32; 2] = [1.0 / 3.0; 2];
+    let (material, table) = (&mesh.materials[index], SrgbTable::new());
+    let (mut apart, mut both, mut count) = (0.0, 0.0, 0.0);
+    for &triangle in triangles.iter().step_by(triangles.len().div_ceil(LOOKED_AT).max(1)) {
+        let own = color(material, &mesh.images, &table, uv(mesh, triangle as usize, MIDDLE)).as_dvec3();
+        let of_vertices = mesh.vertex_color(triangle as usize, MIDDLE).as_dvec3();
+        apart += (own - of_vertices).abs().element_sum();
+        both += own.element_sum() + of_vertices.element_sum();
+        count += 6.0;
+    }
+    (apart <= MAX_APART * both && both <= MAX_SAME * count).then_some(Painted::Same)
 }

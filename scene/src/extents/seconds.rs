@@ -1,11 +1,11 @@
 //! Second sheets that lie too far behind their leaves to be taken for the other side: whether the leaf area is stated
 //! twice, only the maker of the mesh knows.
 //!
-//! Some leaf triangles are looked at, spread over all. One is doubled where each of its corners has a corner of another
-//! parallel leaf before it, or each has one behind it, all about as far away and hardly aside: the outlines are equal,
-//! however either is cut into triangles. What lies nearer than [`crate::sheets`] looks for is one leaf already.
+//! Some leaf triangles are looked at, spread over all. One is doubled where other parallel leaves lie before each of
+//! its points that are looked at, or behind each, all about as far away: either sheet may be cut into triangles in its
+//! own way. What lies nearer than [`crate::sheets`] looks for is one leaf already.
 
-use glam::DVec3;
+use glam::{DVec3, I64Vec3};
 use rayon::prelude::*;
 
 use super::Doubt;
@@ -14,14 +14,15 @@ use crate::{ClassedMesh, MaterialClass, Mesh};
 
 /// Leaf triangles that are looked at.
 const LOOKED_AT: usize = 1024;
+/// Points of a triangle that are looked at: weights of its corners. They lie off its edges, so that a second sheet may
+/// be a little smaller or turned.
+const POINTS: [[f64; 3]; 3] = [[0.7, 0.15, 0.15], [0.15, 0.7, 0.15], [0.15, 0.15, 0.7]];
 /// How far a second sheet lies at most, as a share of the longest edge and of the least height of a triangle: a leaf
 /// beside a leaf, or the far side of a needle, lies farther.
 const APART: [f64; 2] = [0.06, 0.25];
-/// How far a corner may lie aside of the one that it doubles, as a share of how far it lies before it..
-const ASIDE: f64 = 0.5;
-/// ..or, if that is more, of the longest edge and of the least height: second sheets may be a little smaller or turned.
-const SKEWED: [f64; 2] = [0.08, 0.15];
-/// Gaps at the corners of one triangle differ by no more than this factor.
+/// That distance is at most so many times the mean over the leaf area.
+const MAX_REACH: f64 = 4.0;
+/// Gaps at the points of one triangle differ by no more than this factor.
 const ALIKE: f64 = 1.5;
 /// Least cosine between the normals of two sheets.
 const PARALLEL: f64 = 0.9;
@@ -29,45 +30,33 @@ const PARALLEL: f64 = 0.9;
 const ROUNDING: f64 = 1e-6;
 /// Least share of the leaf area that is worth a doubt.
 const MIN_SHARE: f64 = 0.05;
-/// Cubes that the surroundings of a corner may meet: larger triangles among small ones are not looked at.
+/// Cubes that the surroundings of a triangle may meet: one that meets more is compared with all points.
 const MAX_CUBES: i64 = 512;
+/// Cubes along the plant's longest edge.
+const MAX_ACROSS: f64 = 64.0;
 
 /// A triangle that is looked at.
 struct Flat {
     triangle: u32,
-    corners: [DVec3; 3],
     normal: DVec3,
     area_m2: f64,
     reach_m: f64,
-    aside_m: f64,
 }
 
 impl Flat {
     fn of(mesh: &Mesh, triangle: u32) -> Option<Flat> {
-        let corners = corners(mesh, triangle);
-        let [a, b, c] = corners;
+        let [a, b, c] = corners(mesh, triangle);
         let cross = (b - a).cross(c - a);
         let longest = a.distance(b).max(b.distance(c)).max(c.distance(a));
         let (twice, normal) = (cross.length(), cross.try_normalize()?);
-        let least = |[of_edge, of_height]: [f64; 2]| (of_edge * longest).min(of_height * twice / longest);
-        let [reach_m, aside_m] = [APART, SKEWED].map(least);
-        (reach_m > 0.0 && reach_m.is_finite()).then_some(Flat {
-            triangle,
-            corners,
-            normal,
-            area_m2: 0.5 * twice,
-            reach_m,
-            aside_m,
-        })
+        let reach_m = (APART[0] * longest).min(APART[1] * twice / longest);
+        let is_flat = reach_m > 0.0 && reach_m.is_finite();
+        is_flat.then_some(Flat { triangle, normal, area_m2: 0.5 * twice, reach_m })
     }
 
-    /// How far before a corner of this triangle another point lies, if it may double that corner.
-    fn gap(&self, corner: usize, point: DVec3) -> Option<f64> {
-        let off = point - self.corners[corner];
-        let gap = off.dot(self.normal);
-        let aside_m = self.aside_m.max(ASIDE * gap.abs());
-        let is_near = gap.abs() <= self.reach_m && (off - gap * self.normal).length() <= aside_m;
-        is_near.then_some(gap)
+    fn points(&self, mesh: &Mesh) -> [DVec3; 3] {
+        let [a, b, c] = corners(mesh, self.triangle);
+        POINTS.map(|[of_a, of_b, of_c]| of_a * a + of_b * b + of_c * c)
     }
 }
 
@@ -76,7 +65,39 @@ fn corners(mesh: &Mesh, triangle: u32) -> [DVec3; 3] {
         .map(|vertex| DVec3::from_array(mesh.positions[vertex as usize].map(f64::from)))
 }
 
-/// A corner of a triangle that was looked at, numbered over all, and the gap to a point that may double it.
+/// A leaf triangle that may be a second sheet.
+struct Other {
+    triangle: u32,
+    corners: [DVec3; 3],
+    /// Of twice its area.
+    cross: DVec3,
+}
+
+impl Other {
+    fn of(mesh: &Mesh, triangle: u32) -> Other {
+        let corners = corners(mesh, triangle);
+        let cross = (corners[1] - corners[0]).cross(corners[2] - corners[0]);
+        Other { triangle, corners, cross }
+    }
+
+    /// How far before a point of `flat` this triangle lies, if it is parallel, near and neither the same nor beside it.
+    fn gap(&self, flat: &Flat, point: DVec3) -> Option<f64> {
+        let facing = flat.normal.dot(self.cross);
+        if self.triangle == flat.triangle || facing.abs() < PARALLEL * self.cross.length() {
+            return None;
+        }
+        let gap = (self.corners[0] - point).dot(self.cross) / facing;
+        if gap.abs() > flat.reach_m {
+            return None;
+        }
+        let at = point + gap * flat.normal;
+        let [a, b, c] = self.corners.map(|corner| corner - at);
+        let sides = [a.cross(b), b.cross(c), c.cross(a)].map(|side| side.dot(self.cross));
+        sides.iter().all(|side| *side >= 0.0).then_some(gap)
+    }
+}
+
+/// Number of a point that was looked at, and the gap to a leaf that may double it.
 type Met = (u32, f64);
 
 /// Doubts a plant of whose leaves a good part has a second sheet.
@@ -89,28 +110,24 @@ pub(super) fn doubt(plant: &ClassedMesh, longest_m: f64) -> Option<Doubt> {
     let leaves: Vec<u32> = (0..mesh.triangles.len() as u32).filter(is_leaf).collect();
     let wanted = leaves.len().min(LOOKED_AT);
     let some = (0..wanted).filter_map(|at| Flat::of(mesh, leaves[at * leaves.len() / wanted]));
-    let flats: Vec<Flat> = some.collect();
+    let mut flats: Vec<Flat> = some.collect();
     if flats.is_empty() {
         return None;
     }
-    let near = Near::of(&flats);
+    // The reach of a few large triangles is not searched around all.
+    let looked_m2: f64 = flats.iter().map(|flat| flat.area_m2).sum();
+    let mean_reach_m = flats.iter().map(|flat| flat.area_m2 * flat.reach_m).sum::<f64>() / looked_m2;
+    flats.iter_mut().for_each(|flat| flat.reach_m = flat.reach_m.min(MAX_REACH * mean_reach_m));
+    let points: Vec<DVec3> = flats.iter().flat_map(|flat| flat.points(mesh)).collect();
+    let near = Near::of(&flats, &points, longest_m);
     let rounding_m = ROUNDING * longest_m;
     let met_by = |&triangle: &u32| {
-        let points = corners(mesh, triangle);
+        let other = Other::of(mesh, triangle);
         let mut met: Vec<Met> = Vec::new();
-        for point in points {
-            for &(_, number) in near.list(point) {
-                let (flat, corner) = (&flats[number as usize / 3], number as usize % 3);
-                let Some(gap) = flat.gap(corner, point).filter(|gap| gap.abs() > rounding_m) else {
-                    continue;
-                };
-                let normal = (points[1] - points[0]).cross(points[2] - points[0]);
-                let is_parallel = flat.normal.dot(normal).abs() >= PARALLEL * normal.length();
-                if is_parallel && triangle != flat.triangle {
-                    met.push((number, gap));
-                }
-            }
-        }
+        near.each(&other.corners, |number| {
+            let gap = other.gap(&flats[number as usize / POINTS.len()], points[number as usize]);
+            met.extend(gap.filter(|gap| gap.abs() > rounding_m).map(|gap| (number, gap)));
+        });
         met
     };
     let mut met: Vec<Met> = leaves.par_iter().with_min_len(1024).flat_map_iter(met_by).collect();
@@ -124,7 +141,6 @@ pub(super) fn doubt(plant: &ClassedMesh, longest_m: f64) -> Option<Doubt> {
             gaps += gap_m * area_m2;
         }
     }
-    let looked_m2: f64 = flats.iter().map(|flat| flat.area_m2).sum();
     if sheets_m2 <= MIN_SHARE * looked_m2 {
         return None;
     }
@@ -133,62 +149,52 @@ pub(super) fn doubt(plant: &ClassedMesh, longest_m: f64) -> Option<Doubt> {
     Some(Doubt::SecondSheets { sheets_m2: leaf_m2 * sheets_m2 / looked_m2, leaf_m2, gap_m: gaps / sheets_m2 })
 }
 
-/// The least gap that all three corners of a triangle have, to one side. `met` are those of its corners, ascending.
+/// The least gap that all three points of a triangle have, to one side. `met` are those of its points, ascending.
 fn common_gap(met: &[Met]) -> Option<f64> {
-    let of = |corner: u32| met.iter().filter(move |met| met.0 % 3 == corner).map(|met| met.1);
-    let has = |corner: u32, gap: f64| {
-        of(corner).any(|other| {
+    let of = |point: u32| met.iter().filter(move |met| met.0 % 3 == point).map(|met| met.1);
+    let has = |point: u32, gap: f64| {
+        of(point).any(|other| {
             other * gap > 0.0 && other.abs() <= ALIKE * gap.abs() && gap.abs() <= ALIKE * other.abs()
         })
     };
     of(0).filter(|&gap| has(1, gap) && has(2, gap)).map(f64::abs).reduce(f64::min)
 }
 
-/// Corners that are looked at, by the cubes of a lattice around them.
+/// Points that are looked at, by the cubes of a lattice.
 struct Near {
     cubes_per_m: f64,
+    /// The farthest that a triangle lies from a point that it doubles.
+    reach_m: f64,
     /// Number of places, a power of two.
     places: usize,
     /// `[place]`: where its list starts, and the end of the last.
     starts: Vec<u32>,
-    /// `(place, number of the corner)`, sorted.
+    /// `(place, number of the point)`, sorted.
     lists: Vec<(u32, u32)>,
     /// A bit each place: whether its list has an entry. Most have none, and bits stay in the fastest memory.
     is_filled: Vec<u64>,
 }
 
 impl Near {
-    fn of(flats: &[Flat]) -> Near {
-        let cube_m =
-            2.0 * flats.iter().map(|flat| flat.reach_m.max(flat.aside_m)).sum::<f64>() / flats.len() as f64;
+    fn of(flats: &[Flat], points: &[DVec3], longest_m: f64) -> Near {
+        let reach_m = flats.iter().map(|flat| flat.reach_m).fold(0.0, f64::max);
+        // As large as most of the leaf's triangles, which so meet few cubes.
+        let looked_m2: f64 = flats.iter().map(|flat| flat.area_m2).sum();
+        let edge_m = flats.iter().map(|flat| flat.area_m2 * flat.area_m2.sqrt()).sum::<f64>() / looked_m2;
+        let cube_m = (2.0 * edge_m).max(longest_m / MAX_ACROSS);
         // Several times their entries: most leaves find an empty list.
-        let places = (flats.len() * 128).next_power_of_two();
+        let places = (points.len() * 32).next_power_of_two();
         let mut near = Near {
             cubes_per_m: 1.0 / cube_m,
+            reach_m,
             places,
             starts: vec![0; places + 1],
             lists: Vec::new(),
             is_filled: vec![0; places.div_ceil(64)],
         };
-        for (number, flat) in (0u32..).zip(flats) {
-            for (corner, point) in (0u32..).zip(flat.corners) {
-                let reach_m = flat.reach_m + flat.aside_m.max(ASIDE * flat.reach_m);
-                let [low, high] = [point - reach_m, point + reach_m].map(|end| near.cube(end));
-                let cubes = high - low + 1;
-                if cubes.x.saturating_mul(cubes.y).saturating_mul(cubes.z) > MAX_CUBES {
-                    continue;
-                }
-                for z in low.z..=high.z {
-                    for y in low.y..=high.y {
-                        for x in low.x..=high.x {
-                            near.lists.push((near.place([x, y, z]), 3 * number + corner));
-                        }
-                    }
-                }
-            }
-        }
+        let of_points = (0u32..).zip(points).map(|(number, point)| (near.place(near.cube(*point)), number));
+        near.lists = of_points.collect();
         near.lists.sort_unstable();
-        near.lists.dedup();
         for (place, _) in &near.lists {
             near.starts[*place as usize + 1] += 1;
             near.is_filled[*place as usize / 64] |= 1 << (place % 64);
@@ -197,24 +203,38 @@ impl Near {
         near
     }
 
-    /// Without rounding down, which takes the time of all the rest: cubes around 0 are twice as wide.
-    fn cube(&self, point: DVec3) -> glam::I64Vec3 {
-        (point * self.cubes_per_m).as_i64vec3()
-    }
-
-    fn list(&self, point: DVec3) -> &[(u32, u32)] {
-        let place = self.place(self.cube(point).to_array()) as usize;
-        match self.is_filled[place / 64] >> (place % 64) & 1 {
-            0 => &[],
-            _ => &self.lists[self.starts[place] as usize..self.starts[place + 1] as usize],
+    /// Calls `meet` with the numbers of points that may be near to a triangle, some of them more than once.
+    fn each(&self, corners: &[DVec3; 3], mut meet: impl FnMut(u32)) {
+        let [a, b, c] = *corners;
+        let low = self.cube(a.min(b).min(c) - self.reach_m);
+        let high = self.cube(a.max(b).max(c) + self.reach_m);
+        let cubes = high - low + 1;
+        if cubes.x.saturating_mul(cubes.y).saturating_mul(cubes.z) > MAX_CUBES {
+            return self.lists.iter().for_each(|(_, number)| meet(*number));
+        }
+        for z in low.z..=high.z {
+            for y in low.y..=high.y {
+                for x in low.x..=high.x {
+                    let place = self.place(I64Vec3::new(x, y, z)) as usize;
+                    if self.is_filled[place / 64] >> (place % 64) & 1 == 1 {
+                        let list = self.starts[place] as usize..self.starts[place + 1] as usize;
+                        self.lists[list].iter().for_each(|(_, number)| meet(*number));
+                    }
+                }
+            }
         }
     }
 
-    fn place(&self, [x, y, z]: [i64; 3]) -> u32 {
-        let mixed = (x as u64)
+    /// Without rounding down, which takes the time of all the rest: cubes around 0 are twice as wide.
+    fn cube(&self, point: DVec3) -> I64Vec3 {
+        (point * self.cubes_per_m).as_i64vec3()
+    }
+
+    fn place(&self, cube: I64Vec3) -> u32 {
+        let mixed = (cube.x as u64)
             .wrapping_mul(0x9e37_79b9_7f4a_7c15)
-            .wrapping_add((y as u64).wrapping_mul(0xc2b2_ae3d_27d4_eb4f))
-            .wrapping_add((z as u64).wrapping_mul(0x1656_67b1_9e37_79f9));
+            .wrapping_add((cube.y as u64).wrapping_mul(0xc2b2_ae3d_27d4_eb4f))
+            .wrapping_add((cube.z as u64).wrapping_mul(0x1656_67b1_9e37_79f9));
         ((mixed ^ (mixed >> 29)).wrapping_mul(0xbf58_476d_1ce4_e5b9) >> 32) as u32 & (self.places as u32 - 1)
     }
 }
@@ -282,7 +302,7 @@ mod tests {
             assert!(matches!(found, Some(Doubt::SecondSheets { .. })), "{size}: {found:?}");
         }
         let text = doubt(&plant(1, 0.002), 2.0).map(|doubt| doubt.to_string()).unwrap_or_default();
-        assert!(text.contains("of 6 m2 of leaf have a second sheet of the same outline 0.002 m"), "{text}");
+        assert!(text.contains("of 6 m2 of leaf have a second sheet 0.002 m"), "{text}");
     }
 
     #[test]

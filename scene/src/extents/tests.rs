@@ -227,6 +227,10 @@ fn leaves_behind_walls_are_doubted_with_what_they_see() {
     let Some(Doubt::Enclosed(deep)) = of(&boxed(&sides[..5]), &[leaf(0.1)]) else { panic!("deep in a pot") };
     assert!(deep.share > 0.9 && (0.02..0.15).contains(&deep.open), "{deep:?}");
     assert_eq!(of(&boxed(&sides[..5]), &[leaf(1.2), leaf(1.4)]), None);
+    // A room of which the leaves are a thousandth.
+    let small = |y: f32| leaf(y).map(|corner| corner.map(|x| 0.5 + 0.05 * (x - 0.5)));
+    let Some(Doubt::Enclosed(room)) = of(&boxed(&sides), &[small(0.2)]) else { panic!("in a room") };
+    assert_eq!((room.share, room.open), (1.0, 0.0));
     // A floor alone.
     assert_eq!(of(&boxed(&sides[2..3]), &[leaf(0.2)]), None);
 }
@@ -325,8 +329,7 @@ fn levels_of_detail_beside_each_other_are_a_doubt_that_names_them() {
         vec![part(&plant, &["Oak_LOD0"], 0..count), part(&plant, &["Leaves"], count..count + 3)];
     assert_eq!(all_found(&plant, Up::Y), [], "one level alone is no doubt");
     let clusters = |up: f64| {
-        let mut parts =
-            vec![part(&plant, &["Leaves_Low"], 0..count), part(&plant, &["Leaves_High"], 0..count)];
+        let mut parts = vec![part(&plant, &["Twigs_Low"], 0..count), part(&plant, &["Twigs_High"], 0..count)];
         let bounds_m = &mut parts[1].uses[0].bounds_m;
         [&mut bounds_m.min[1], &mut bounds_m.max[1]].into_iter().for_each(|y| *y += up);
         parts
@@ -336,7 +339,7 @@ fn levels_of_detail_beside_each_other_are_a_doubt_that_names_them() {
     plant.mesh.parts = other;
     assert_eq!(all_found(&plant, Up::Y), [], "twigs of one plant, the lower and the higher ones");
     plant.mesh.parts = same;
-    assert_eq!(levels(&plant), ["Leaves_High", "Leaves_Low"]);
+    assert_eq!(levels(&plant), ["Twigs_High", "Twigs_Low"]);
     plant.mesh.parts = vec![part(&plant, &["a"], 0..count), part(&plant, &["b"], 0..count)];
     plant.mesh.parts[1].uses[0].triangles /= 4;
     assert_eq!(levels(&plant), ["a", "b"], "they fill one box");
@@ -461,8 +464,12 @@ fn a_material_whose_triangles_show_next_to_nothing_of_its_image_is_a_doubt() {
     assert_eq!(found(0.0, 1.0), None);
     // As where a file states no texture coordinates.
     let (left, text) = found(0.0, 0.0).expect("a doubt");
-    assert_eq!((left, text.contains("alpha leaves nothing of material \"leaf\"")), (0.0, true), "{text}");
+    assert_eq!(
+        (left, text.contains("alpha leaves nothing of 0.3 m^2 of the material \"leaf\"")),
+        (0.0, true),
+        "{text}"
+    );
     let (left, text) = found(0.0, 3.05 / 64.0).expect("a doubt");
     assert!(left < 0.01, "{left}");
-    assert!(left == 0.0 || text.contains(" % of material \"leaf\", whose triangles have"), "{text}");
+    assert!(left == 0.0 || text.contains(" m^2 of the material \"leaf\""), "{text}");
 }

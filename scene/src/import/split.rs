@@ -21,7 +21,7 @@ use super::soup::{Finished, Lent, area};
 use super::split_patterns::SplitPatterns;
 use super::things::{Things, told_of_material, told_of_part};
 use crate::MaterialClass;
-use crate::classify::words::Told;
+use crate::classify::words::{Told, is_of_several};
 use crate::mesh::{AlphaMode, Image, Material, Mesh, Part, PartUse, Texture, around};
 use crate::rays::uv;
 use crate::sampling::on_triangle;
@@ -134,8 +134,11 @@ pub(super) fn split(
     }
     files.limit("materials, split by what they serve", sums.len() as u64, limits::MATERIALS)?;
     let number: BTreeMap<Key, u32> = sums.keys().copied().zip(0..).collect();
-    let all =
-        sums.iter().map(|(key, sums)| of_key(&materials[key.material as usize], key, sums, &mesh.images));
+    let all = sums.iter().map(|(key, sums)| {
+        let material = of_key(&materials[key.material as usize], key, sums, &mesh.images);
+        let is_told_by_parts = key.told != 0 && tells.is_shared[key.material as usize];
+        Material { is_told_by_parts, ..material }
+    });
     mesh.materials = all.collect();
     let numbers: Vec<u32> = distinct.iter().map(|key| number[key]).collect();
     slots.iter_mut().for_each(|slot| *slot = numbers[*slot as usize]);
@@ -177,6 +180,8 @@ fn of_key(material: &Material, key: &Key, sums: &Sums, images: &[Image]) -> Mate
 /// Per material and part: what the part's names say where the material's do not, and which patterns it meets.
 struct Tells {
     by_itself: Vec<Option<Told>>,
+    /// Materials that are an atlas by their name, and that parts of leaf and parts of wood wear.
+    is_shared: Vec<bool>,
     by_part: Vec<u8>,
     things: Things,
     known: HashMap<(u32, u32), (u8, u64)>,
@@ -186,6 +191,17 @@ impl Tells {
     fn of(mesh: &Mesh, materials: &[Material], parts: &[Part], triangle_part: &[u32]) -> Tells {
         let by_itself: Vec<Option<Told>> =
             materials.iter().map(|material| told_of_material(&mesh.images, material)).collect();
+        let by_part: Vec<u8> =
+            parts.iter().map(|part| told_of_part(part).map_or(0, |(told, _)| code(&told))).collect();
+        let is_atlas: Vec<bool> = materials.iter().map(|material| is_of_several(&material.name)).collect();
+        let mut worn_by = vec![[false; 2]; materials.len()];
+        if is_atlas.contains(&true) {
+            for (&part, &material) in triangle_part.iter().zip(&mesh.triangle_material) {
+                if let Some(class @ 1..=2) = by_part.get(part as usize) {
+                    worn_by[material as usize][usize::from(*class) - 1] = true;
+                }
+            }
+        }
         let used = || {
             let mut used: Vec<Vec<u32>> = vec![Vec::new(); parts.len()];
             for (&part, &material) in triangle_part.iter().zip(&mesh.triangle_material) {
@@ -199,7 +215,12 @@ impl Tells {
         Tells {
             things: Things::of(&by_itself, parts, used),
             by_itself,
-            by_part: parts.iter().map(|part| told_of_part(part).map_or(0, |(told, _)| code(&told))).collect(),
+            is_shared: is_atlas
+                .iter()
+                .zip(worn_by)
+                .map(|(&is_atlas, by)| is_atlas && by == [true; 2])
+                .collect(),
+            by_part,
             known: HashMap::new(),
         }
     }
@@ -211,10 +232,13 @@ impl Tells {
         patterns: &SplitPatterns,
     ) -> (u8, u64) {
         let Some(found) = part.1 else { return (0, 0) };
-        let (by_itself, by_part, things) = (&self.by_itself, &self.by_part, &self.things);
+        let (by_itself, is_shared) = (&self.by_itself, &self.is_shared);
+        let (by_part, things) = (&self.by_part, &self.things);
         *self.known.entry((material.0, part.0)).or_insert_with(|| {
             let told = match by_itself[material.0 as usize] {
-                Some(Told::Class(..)) if things.has(part.0) => by_part[part.0 as usize],
+                Some(Told::Class(..)) if is_shared[material.0 as usize] || things.has(part.0) => {
+                    by_part[part.0 as usize]
+                }
                 Some(_) => 0,
                 None => by_part[part.0 as usize],
             };

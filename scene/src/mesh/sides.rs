@@ -52,8 +52,10 @@ pub struct Thick {
 pub struct Sheets {
     /// Side of each triangle; empty where all stand for both sides.
     pub sides: Vec<Side>,
-    /// Triangles that lay exactly on others and were dropped, once classes were known.
+    /// Triangles that lay exactly on those of another material and were dropped, once classes were known.
     pub dropped: u64,
+    /// Triangles of third and further sheets of one leaf that were dropped.
+    pub further: u64,
     /// Leaf triangles that others lie on, which are the other side of the same leaf.
     pub pairs: Sided,
     /// Leaf triangles of thin closed shells.
@@ -75,6 +77,12 @@ impl Sheets {
             notes.push(format!(
                 "dropped {} triangles that lie exactly on those of another material (their area counts once)",
                 self.dropped
+            ));
+        }
+        if self.further > 0 {
+            notes.push(format!(
+                "dropped {} triangles of third and further sheets of one leaf (two are its sides)",
+                self.further
             ));
         }
         let mut say = |found: &Sided, what: &str| {

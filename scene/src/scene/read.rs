@@ -19,7 +19,7 @@ use super::sunlight::Sunlight;
 use super::syntax::shown;
 use super::water::RawWater;
 use super::{Scene, SceneSpecies, Suns};
-use crate::import::{ImportError, MAX_SPECIES, ask, excerpt, read_text, reserve};
+use crate::import::{ImportError, MAX_SPECIES, ask, excerpt, in_words, read_text, reserve};
 use crate::species::MAX_BANDS;
 
 /// Bytes of a scene file.
@@ -151,7 +151,7 @@ impl Scene {
         let whole = Reading { file, folder, text, parts: None };
         let mut raw: Raw = toml::from_str(text).map_err(|error| ImportError::Syntax {
             file: file.to_owned(),
-            message: excerpt(error.to_string().trim_end().to_owned()),
+            message: excerpt(in_words(error.to_string().trim_end())),
         })?;
         let instances = raw.instance.take().unwrap_or_default();
         let count = instances.len();
@@ -348,7 +348,7 @@ impl Reading<'_> {
             Some(span) => shown(self.text, place(span.start)..place(span.end), error.message()),
             None => error.to_string(),
         };
-        ImportError::Syntax { file: self.file.to_owned(), message: excerpt(message.trim_end().to_owned()) }
+        ImportError::Syntax { file: self.file.to_owned(), message: excerpt(in_words(message.trim_end())) }
     }
 }
 

@@ -1,8 +1,11 @@
 //! The `[sky]` of a scene file: where its light comes from, and how much there is.
 
+use std::fmt;
 use std::path::PathBuf;
 
-use serde::Deserialize;
+use serde::de::value::MapAccessDeserializer;
+use serde::de::{Error, MapAccess, Visitor};
+use serde::{Deserialize, Deserializer};
 use toml::Spanned;
 
 use super::reading::{Checked, Reading};
@@ -23,13 +26,48 @@ pub enum SceneSky {
     Image(PathBuf),
 }
 
-#[derive(Deserialize, Default)]
-#[serde(deny_unknown_fields)]
+#[derive(Default)]
 pub(super) struct RawSky {
     ambient: Option<Spanned<f64>>,
     clear: Option<Spanned<RawClear>>,
     image: Option<PathBuf>,
     backdrop: Option<PathBuf>,
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct RawTable {
+    ambient: Option<Spanned<f64>>,
+    clear: Option<Spanned<RawClear>>,
+    image: Option<PathBuf>,
+    backdrop: Option<PathBuf>,
+}
+
+impl<'de> Deserialize<'de> for RawSky {
+    fn deserialize<D: Deserializer<'de>>(from: D) -> Result<RawSky, D::Error> {
+        from.deserialize_any(SkyVisitor)
+    }
+}
+
+/// A table, or the file of an image alone.
+struct SkyVisitor;
+
+impl<'de> Visitor<'de> for SkyVisitor {
+    type Value = RawSky;
+
+    fn expecting(&self, f: &mut fmt::Formatter) -> fmt::Result {
+        f.write_str("a table, or the file of an image")
+    }
+
+    fn visit_str<E: Error>(self, file: &str) -> Result<RawSky, E> {
+        Ok(RawSky { image: Some(file.into()), ..RawSky::default() })
+    }
+
+    fn visit_map<A: MapAccess<'de>>(self, table: A) -> Result<RawSky, A::Error> {
+        let table = RawTable::deserialize(MapAccessDeserializer::new(table))?;
+        let RawTable { ambient, clear, image, backdrop } = table;
+        Ok(RawSky { ambient, clear, image, backdrop })
+    }
 }
 
 #[derive(Deserialize)]

@@ -70,12 +70,12 @@ impl Reading<'_> {
         for one in list {
             let odd = || self.malformed(at, "sun.added", excerpt(one.to_string()), expected);
             let table = one.as_table().ok_or_else(odd)?;
-            let is_known = |key: &String| ["at", "irradiance"].contains(&key.as_str());
-            let Some([azimuth, elevation]) =
-                table.get("at").and_then(pair).filter(|_| table.keys().all(is_known))
-            else {
-                return Err(odd());
-            };
+            let is_known = |key: &&String| ["at", "irradiance"].contains(&key.as_str());
+            if let Some(key) = table.keys().find(|key| !is_known(key)) {
+                let found = format!("the key {key:?}");
+                return Err(self.malformed(at, "sun.added", excerpt(found), "at and irradiance alone"));
+            }
+            let Some([azimuth, elevation]) = table.get("at").and_then(pair) else { return Err(odd()) };
             let sun_deg = [
                 self.within(at, "azimuth of sun.added", azimuth, -3600.0, 3600.0)?,
                 self.within(at, "elevation of sun.added", elevation, -90.0, 90.0)?,

@@ -58,7 +58,10 @@ fn a_sun_has_an_irradiance_and_others_beside_it() {
         ("irradiance = \"red\"", "expected one number, or three for R, G, B"),
         ("added = [[10, 20]]", "expected a list of { at = [azimuth, elevation], irradiance = ... }"),
         ("added = { at = [10, 20] }", "expected a list of"),
-        ("added = [{ at = [10, 20], colour = 1 }]", "expected a list of"),
+        (
+            "added = [{ at = [10, 20], colour = 1 }]",
+            "found the key \"colour\", expected at and irradiance alone",
+        ),
         ("added = [{ irradiance = 1 }]", "expected a list of"),
         ("added = [{ at = [10, 95] }]", "elevation of sun.added: found 95, expected -90 to 90"),
         (
@@ -118,6 +121,7 @@ fn a_sky_is_even_clear_or_an_image_beside_the_scene() {
         (SceneSky::Clear { turbidity: 6.0 }, Some(2.0))
     );
     assert_eq!(sky("sky.image = \"noon.hdr\""), (SceneSky::Image("scenes/noon.hdr".into()), None));
+    assert_eq!(sky("sky = \"noon.hdr\""), sky("sky.image = \"noon.hdr\""));
     let scene =
         parse(&format!("sky = {{ clear = {{}}, backdrop = \"clouds.exr\" }}\n{SCENE}")).expect("a scene");
     assert!(
@@ -306,6 +310,8 @@ fn what_is_wrong_is_named_with_its_line() {
             "sky = { clear = {}, image = \"a.hdr\" }\n".to_owned(),
             "line 1, sky: found clear and image, expected one of them",
         ),
+        ("sky = 3\n".to_owned(), "invalid type: integer `3`, expected a table, or the file of an image"),
+        ("sky = { clear = 3 }\n".to_owned(), "invalid type: integer `3`, expected a table"),
         ("sky = { clear = { haze = 3 } }\n".to_owned(), "unknown field `haze`, expected `turbidity`"),
         ("sun = {}\n".to_owned(), "line 1, sun: found neither fixed nor path"),
         ("sun = { fixed = [] }\n".to_owned(), "sun.fixed: found none"),

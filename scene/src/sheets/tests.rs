@@ -157,7 +157,12 @@ fn a_third_sheet_is_dropped() {
     three.extend(quads(&leaves, true, true, 1e-5));
     let mut plant = mesh(&three);
     find(&mut plant, &CLASSES);
-    assert_eq!((plant.triangles.len(), plant.sheets.dropped), (400, 200));
+    assert_eq!((plant.triangles.len(), plant.sheets.dropped, plant.sheets.further), (400, 0, 200));
+    let notes = plant.sheets.notes();
+    assert!(
+        notes[0].starts_with("dropped 200 triangles of third and further sheets of one leaf"),
+        "{notes:?}"
+    );
     assert!((counted_m2(&plant, &CLASSES, Leaf) - 1.0).abs() < 1e-3);
 }
 

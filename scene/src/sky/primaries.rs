@@ -6,6 +6,23 @@ pub(super) type Primaries = [[f64; 2]; 4];
 /// Those of sRGB (Rec. 709): white is D65.
 pub(super) const SRGB: Primaries = [[0.64, 0.33], [0.30, 0.60], [0.15, 0.06], [0.3127, 0.3290]];
 
+/// Those of names, by a part of the name in lower case without blanks and the like: SMPTE ST 2065-1 (AP0), Academy
+/// S-2014-004 (ACEScg, AP1), ITU-R BT.2020, SMPTE EG 432-1 (P3 under D65), Adobe RGB (1998).
+const NAMED: [(&[&str], Primaries); 5] = [
+    (&["ap0", "aces2065"], [[0.7347, 0.2653], [0.0, 1.0], [0.0001, -0.0770], [0.32168, 0.33767]]),
+    (&["ap1", "acescg"], [[0.713, 0.293], [0.165, 0.830], [0.128, 0.044], [0.32168, 0.33767]]),
+    (&["rec2020", "bt2020"], [[0.708, 0.292], [0.170, 0.797], [0.131, 0.046], [0.3127, 0.3290]]),
+    (&["p3d65", "displayp3"], [[0.680, 0.320], [0.265, 0.690], [0.150, 0.060], [0.3127, 0.3290]]),
+    (&["adobergb"], [[0.64, 0.33], [0.21, 0.71], [0.15, 0.06], [0.3127, 0.3290]]),
+];
+
+/// Those of a colour space's name, such as `lin_ap1_scene` or `ACEScg`; `None` where it names none of these.
+pub(super) fn of_name(name: &str) -> Option<Primaries> {
+    let plain: String = name.chars().filter(char::is_ascii_alphanumeric).collect::<String>().to_lowercase();
+    let is_it = |parts: &[&str]| parts.iter().any(|part| plain.contains(part));
+    NAMED.iter().find(|(parts, _)| is_it(parts)).map(|(_, primaries)| *primaries)
+}
+
 /// How near chromaticities are the same: files write them with three or four digits.
 const SAME: f64 = 1e-3;
 /// Least determinant: red, green and blue on one line tell no colours.

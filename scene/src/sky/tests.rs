@@ -282,6 +282,40 @@ fn primaries_of_an_exr_become_those_of_srgb_or_are_refused() {
     says(with(Some(line)).expect_err("no colours"), &["wide.exr", "chromaticities", "0.4"]);
 }
 
+#[test]
+fn a_colour_space_that_an_exr_names_is_read_where_it_has_no_chromaticities() {
+    use exr::prelude::{AttributeValue, Image, SpecificChannels, Text, Vec2, WritableImage};
+    let folder = tempfile::tempdir().expect("a folder");
+    let path = folder.path().join("named.exr");
+    let with = |attribute: &str, space: &str| {
+        let pixels = SpecificChannels::rgb(|_: Vec2<usize>| (1.0_f32, 0.5_f32, 0.5_f32));
+        let mut image = Image::from_channels((8, 4), pixels);
+        let text = AttributeValue::Text(Text::from(space));
+        image.layer_data.attributes.other.insert(Text::from(attribute), text);
+        image.write().to_file(&path).expect("written");
+        SkyImage::read(&path).expect("a sky").pixel(3, 1)
+    };
+    let near =
+        |found: [f32; 3], expected: [f32; 3]| (0..3).all(|band| (found[band] - expected[band]).abs() < 2e-3);
+    for (attribute, space) in
+        [("colorInteropID", "lin_rec2020_scene"), ("oiio:ColorSpace", "Linear Rec.2020")]
+    {
+        let found = with(attribute, space);
+        assert!(near(found, [1.3302, 0.4377, 0.4909]), "{space}: {found:?}");
+    }
+    // ACEScg to linear sRGB, as published: its rows, by Bradford.
+    let of_rows = |[a, b, c]: [f32; 3]| a + 0.5 * (b + c);
+    let expected =
+        [[1.70505, -0.62179, -0.08326], [-0.13026, 1.14080, -0.01055], [-0.02400, -0.12897, 1.15297]]
+            .map(of_rows);
+    for space in ["ACEScg", "lin_ap1_scene", "ACES - ACEScg"] {
+        assert!(near(with("oiio:ColorSpace", space), expected), "{space}");
+    }
+    for space in ["Linear", "lin_rec709_scene", "scene_linear", "data"] {
+        assert_eq!(with("colorInteropID", space), [1.0, 0.5, 0.5], "{space}");
+    }
+}
+
 /// A Radiance file of 8 x 4 pixels, which are all different, with these lines in its header.
 fn radiance(header: &str, size: &str, order: impl Fn(usize) -> (usize, usize)) -> Vec<u8> {
     let mut bytes = format!("#?RADIANCE\nFORMAT=32-bit_rle_rgbe\n{header}\n{size}\n").into_bytes();

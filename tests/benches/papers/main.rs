@@ -3,8 +3,8 @@
 //! Prints what `docs/papers.md` holds: the optics, the solves, the bytes of each species by the papers' codec and by
 //! ours, what a tree and a forest take to trace and to relight by each, what a sample costs, and what blocks without
 //! their forward neighbours would take. The tree has 316,000 triangles and the forest 424 plants of 5 species and 109
-//! million, each with real light of 128^3 sites, at 512 x 512. Half an hour and 8 GB. `-- quick` takes coarse plants,
-//! lattices of 32 and four suns: a minute. Words behind `--` choose parts: `optics`, `solve`, `bytes`, `tree`,
+//! million, each with real light of 128^3 sites, at 512 x 512. A quarter of an hour and 8 GB. `-- quick` takes coarse
+//! plants, lattices of 32 and four suns: a minute. Words behind `--` choose parts: `optics`, `solve`, `bytes`, `tree`,
 //! `forest`, `neighbours`.
 
 mod light;

@@ -27,6 +27,20 @@ fn every_phase_function_spreads_what_it_scatters_over_the_sphere() {
 }
 
 #[test]
+fn facets_scatter_an_even_part_that_all_share_and_an_odd_part_of_what_passes() {
+    for step in 0..=200 {
+        let cosine = f64::from(step) / 100.0 - 1.0;
+        let even = 8.0 / (3.0 * std::f64::consts::PI)
+            * (libm::sqrt(1.0 - cosine * cosine) + cosine * libm::asin(cosine));
+        for transmitted in [0.0, 0.3, 0.5, 1.0] {
+            let expected = even + (2.0 * transmitted - 1.0) * 4.0 / 3.0 * cosine;
+            let found = Phase::BiLambert { transmitted }.at(cosine);
+            assert!((found - expected).abs() < 1e-12, "{cosine}, {transmitted}: {found}, {expected}");
+        }
+    }
+}
+
+#[test]
 fn mean_cosine_of_facets_is_four_ninths_of_what_the_papers_take() {
     let (r, t) = (0.07, 0.055);
     let g = Phase::BiLambert { transmitted: t / (r + t) }.moment(1);

@@ -122,5 +122,16 @@ pub(super) const COVERS: &str = "
     legno radici hierba musgo flor flores madera raices erva madeira
 ";
 
+/// Words of an image in which several things have their places.
+pub(super) const ATLASES: &str = "atlas atlases texatlas textureatlas trimsheet";
+
+/// Words of what grows on bark, or on wood that lies: `bark_moss` may be a trunk with moss, or moss for a trunk.
+pub(super) const GROWN: &str = "
+    moss mosses lichen ivy fern ferns grass grasses flower flowers blossom blossoms leafy mossy
+    moos flechte efeu farn farne gras bluete blüte blueten blüten mousse lierre fougere fougère lichens herbe fleur
+    fleurs muschio edera felce erba fiore fiori musgo hiedra helecho hierba flor flores hera samambaia erva mos klimop
+    varen
+";
+
 /// Words between a thing and what it is of, in languages that name the thing first: `pot_de_fleurs`.
 pub(super) const OF: &str = "de du des di del della dei da do dos das of for von mit with con avec";

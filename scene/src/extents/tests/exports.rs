@@ -32,9 +32,33 @@ fn a_card_of_the_whole_plant_among_its_leaves_is_a_doubt() {
     assert!(*share > 0.9, "{share}");
     let text = doubt.to_string();
     assert!(text.contains("2 triangles as large as the plant are 9"), "{text}");
+    // Ground of grass under it.
+    let [a, b, c, d] = [[-5.0, 0.0, -5.0], [5.0, 0.0, -5.0], [5.0, 0.0, 5.0], [-5.0, 0.0, 5.0]];
+    assert_eq!(names(&with_cards(&[[a, b, c], [a, c, d]])), ["card"]);
     // Tufts of crossed cards have no other leaves.
     let [wood, _] = tree();
     assert!(!names(&plant(&wood, &card(), |point| point)).contains(&"card"));
+}
+
+#[test]
+fn a_trunk_that_wears_the_leaves_material_alone_is_a_doubt() {
+    let [wood, leaves] = tree();
+    let tree = plant(&wood, &leaves, |point| point);
+    let is_leaf = |at: &usize| tree.classes[tree.mesh.triangle_material[*at] as usize] == MaterialClass::Leaf;
+    let all: Vec<usize> = (0..tree.mesh.triangles.len()).filter(is_leaf).collect();
+    let range = all[0]..all[0] + all.len();
+    assert_eq!(all.last(), Some(&(range.end - 1)));
+    let called = |name: &str| {
+        let mut tree = tree.clone();
+        tree.mesh.parts = vec![part(&tree, &[name], range.clone())];
+        all_found(&tree, Up::Y).into_iter().find(|doubt| doubt.name() == "names")
+    };
+    let text = called("Trunk").expect("a doubt").to_string();
+    assert!(text.contains("are leaf by material, expected wood by the names of their parts: '"), "{text}");
+    assert!(text.contains("@Trunk'"), "{text}");
+    for name in ["Leaves", "Branches", "Stem_leaves", "Cube"] {
+        assert_eq!(called(name), None, "{name}");
+    }
 }
 
 #[test]
@@ -106,10 +130,12 @@ fn colours_of_vertices_over_a_texture_are_doubted_where_they_look_like_data() {
     };
     let random =
         |vertex: usize, band: u32| (crate::sampling::hash(3 * vertex as u32 + band) % 256) as f32 / 255.0;
-    let looks: [(Paint<'_>, Option<Painted>); 7] = [
+    let looks: [(Paint<'_>, Option<Painted>); 9] = [
         (&|_| [0.0; 3], Some(Painted::Black)),
         (&|vertex| [0.0, 0.0, random(vertex, 0)], Some(Painted::OneChannel)),
         (&|vertex| [0, 1, 2].map(|band| random(vertex, band)), Some(Painted::AllHues)),
+        (&|vertex| [random(vertex, 0), 0.0, random(vertex, 1)], Some(Painted::TwoChannels)),
+        (&|_| [1.0, 1.0, 0.0], Some(Painted::TwoChannels)),
         // Shade, and an autumn from green to red.
         (&|vertex| [0.2 + 0.8 * random(vertex, 0); 3], None),
         (&|vertex| [random(vertex, 0), 1.0 - random(vertex, 0), 0.1], None),
@@ -131,6 +157,16 @@ fn colours_of_vertices_over_a_texture_are_doubted_where_they_look_like_data() {
     let mut plain = plant(&wood, &leaves, |point| point);
     plain.mesh.colors =
         (0..plain.mesh.positions.len()).map(|vertex| [0, 1, 2].map(|band| random(vertex, band))).collect();
+    assert!(all_found(&plain, Up::Y).is_empty());
+    // Over a colour they are data, too, or that colour once more.
+    let own = [0.3, 0.2, 0.1];
+    for material in &mut plain.mesh.materials {
+        material.base_color = [own[0], own[1], own[2], 1.0];
+    }
+    assert!(matches!(all_found(&plain, Up::Y)[0], Doubt::VertexColors { look: Painted::AllHues, .. }));
+    plain.mesh.colors.fill(own);
+    assert!(matches!(all_found(&plain, Up::Y)[0], Doubt::VertexColors { look: Painted::Same, .. }));
+    plain.mesh.colors.fill([0.9, 0.95, 0.8]);
     assert!(all_found(&plain, Up::Y).is_empty());
 }
 

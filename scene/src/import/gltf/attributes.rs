@@ -100,6 +100,9 @@ pub(super) fn open<'a>(
             files.warn(format!("{place}: its accessor has no bufferView, so that all its numbers are 0"));
         }
     }
+    if primitive.targets.iter().flatten().zip(weights).any(|(_, weight)| *weight != 0.0) {
+        files.note("morph targets are read by the weights of nodes and meshes".to_owned());
+    }
     let sized = |accessors: &mut Accessors<'a>, what: &str, index: Option<usize>, types: &[Type]| {
         let Some(index) = index else { return Ok(None) };
         let accessor = accessors.open(files, &format!("{name}, {what}"), index, types, most)?;
@@ -223,6 +226,9 @@ impl<'a> Skin<'a> {
             files.warn(format!("{name} has a skin that cannot be read; it stands as stored"));
         }
         let skin = matrices.map(|matrices| Skin { joints, matrices });
+        if skin.is_some() {
+            files.note("skins are read in the pose that the file's joints have".to_owned());
+        }
         if let Some(skin) = &skin {
             let count = skin.joints.first().map_or(0, |[joints, _]| joints.count);
             let odd = (0..count).filter(|&vertex| !skin.holds(vertex)).count();

@@ -112,6 +112,7 @@ impl Library<'_> {
         loaded: &mut Loaded,
     ) -> Result<(), ImportError> {
         let material = &mut loaded.material;
+        // Where the extension states no factor, it is 0: nothing passes.
         let stated = json.diffuse_transmission_factor.filter(|factor| factor.is_finite());
         let mut factor = stated.unwrap_or(0.0).clamp(0.0, 1.0);
         if let Some(info) = json.diffuse_transmission_texture.as_ref().filter(|_| factor > 0.0) {
@@ -159,7 +160,7 @@ impl Library<'_> {
             };
         }
         material.transmission_color = color.filter(|color| color.iter().all(|value| value.is_finite()));
-        material.diffuse_transmission = stated.map(|_| factor);
+        material.diffuse_transmission = Some(factor);
         Ok(())
     }
 

@@ -112,7 +112,15 @@ fn parse_line(
         },
         "map_kd" => material.color_map = read_map(files, place, keyword, rest),
         "map_ka" => material.ambient_map = read_map(files, place, keyword, rest),
-        "map_d" | "map_opacity" | "map_tr" => material.alpha_map = read_map(files, place, keyword, rest),
+        "map_d" | "map_opacity" | "map_tr" => {
+            if keyword.eq_ignore_ascii_case("map_tr") {
+                let (file, line) = (quoted(place.file), place.number);
+                files.warn(format!(
+                    "{file}, line {line}: map_Tr is read as map_d is: white is there, black is cut away"
+                ));
+            }
+            material.alpha_map = read_map(files, place, keyword, rest);
+        }
         lower => {
             if let Some(why) = known::unread(known::MTL, lower, rest) {
                 files.warn(format!("{} ({}) is not read: {why}", quoted(keyword), quoted(place.file)));

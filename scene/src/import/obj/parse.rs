@@ -199,6 +199,7 @@ impl Reader<'_> {
                     self.material = None;
                 }
             }
+            Some("#MRGB") => self.leave_out("#MRGB", "colours of vertices are those after x y z of `v`"),
             Some(keyword) if !keyword.starts_with('#') => {
                 if let Some(why) = known::unread(known::OBJ, keyword, "") {
                     self.leave_out(keyword, why);

@@ -3,11 +3,14 @@
 
 use std::io::Cursor;
 
-use exr::meta::attribute::{Chromaticities, IntegerBounds};
+use exr::meta::attribute::{AttributeValue, Chromaticities, IntegerBounds, Text};
 use exr::prelude::{ReadChannels, ReadLayers, Vec2};
 
 use super::{Faults, Raw};
-use crate::sky::primaries::ToSrgb;
+use crate::sky::primaries::{self, ToSrgb};
+
+/// Attributes that name a colour space, for want of chromaticities.
+const SPACES: [&str; 2] = ["colorInteropID", "oiio:ColorSpace"];
 
 pub(super) fn read(bytes: &[u8], faults: &Faults) -> Result<Raw, super::SkyError> {
     let damaged = |error: exr::error::Error| faults.damaged(error.to_string());
@@ -42,9 +45,20 @@ pub(super) fn read(bytes: &[u8], faults: &Faults) -> Result<Raw, super::SkyError
         .map_err(damaged)?;
     let window = image.attributes.display_window;
     let data = IntegerBounds::new(image.layer_data.attributes.layer_position, image.layer_data.size);
+    let attributes = [&image.attributes.other, &image.layer_data.attributes.other];
+    let named = || {
+        SPACES.into_iter().find_map(|attribute| {
+            let found = attributes.iter().find_map(|found| found.get(&Text::from(attribute)));
+            let Some(AttributeValue::Text(space)) = found else { return None };
+            primaries::of_name(&space.to_string()).map(|found| (found, attribute))
+        })
+    };
     let to_srgb = match &image.attributes.chromaticities {
-        None => ToSrgb::SAME,
         Some(found) => faults.to_srgb(&primaries(found), "chromaticities")?,
+        None => match named() {
+            Some((found, attribute)) => faults.to_srgb(&found, attribute)?,
+            None => ToSrgb::SAME,
+        },
     };
     let pixels = image.layer_data.channel_data.pixels.1;
     let size = [window.size.width(), window.size.height()];

@@ -177,6 +177,12 @@ fn the_older_model_of_a_material_says_all_of_its_colour_and_an_image_that_is_not
     let webp = json!({"source": 0, "extensions": {"EXT_texture_webp": {"source": 1}}});
     let mesh = of(json!({"pbrMetallicRoughness": base}), webp);
     assert_eq!(mesh.images.first().map(|image| image.name.as_str()), Some("a.png"), "{:?}", mesh.warnings);
+    // Without a factor nothing passes, as the extension says.
+    let none =
+        json!({"KHR_materials_diffuse_transmission": {"diffuseTransmissionColorFactor": [0.1, 0.3, 0.1]}});
+    let mesh = of(json!({"extensions": none}), json!({"source": 0}));
+    assert_eq!(mesh.materials[0].diffuse_transmission, Some(0.0));
+    assert!(mesh.notes[0].contains("light that passes"), "{:?}", mesh.notes);
     // Of what passes, zeros are what they say.
     let passing = json!({"diffuseTransmissionFactor": 0.4, "diffuseTransmissionTexture": {"index": 0}});
     let extensions = json!({"KHR_materials_diffuse_transmission": passing});

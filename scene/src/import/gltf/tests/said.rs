@@ -332,6 +332,13 @@ fn an_atlas_is_split_by_the_names_of_what_it_serves() {
     };
     assert_eq!((class_of("Trunk"), class_of("Leaves")), (MaterialClass::Wood, MaterialClass::Leaf));
     assert!(decided.iter().any(|one| one.rule == "'trunk' in the name of its part 'Trunk'"), "{decided:?}");
+    // Nor does the name of an atlas say what each part is.
+    let shared = read(&atlas(["Trunk", "Leaves"], json!({"name": "leaf_atlas"}))).unwrap();
+    let decided = classify(&shared, &ClassRules::default()).unwrap();
+    let classes: Vec<MaterialClass> = decided.iter().map(|one| one.class).collect();
+    assert_eq!(classes, [MaterialClass::Leaf, MaterialClass::Wood]);
+    let alone = read(&atlas(["Trunk", "Cube"], json!({"name": "leaf_atlas"}))).unwrap();
+    assert_eq!(alone.materials.len(), 1);
     // A material that says what it is by itself is not split.
     let leaves = read(&atlas(["Trunk", "Leaves"], json!({"name": "foliage"}))).unwrap();
     assert_eq!(leaves.materials.len(), 1);
