@@ -2,13 +2,14 @@
 //! relight one tree of 316,000 triangles, and 424 plants of 5 species, 109 million triangles.
 //!
 //! ```text
-//! cargo bench -p flb-render-gpu --bench forest [-- [tree|forest] [ways] [BEST_OF]]
+//! cargo bench -p flb-render-gpu --bench forest [-- [tree|forest] [ways|devices] [BEST_OF]]
 //! ```
 //!
 //! Light comes from a coded file of the `paper` model at lattice 64, the same for all species: a blend of four bases
 //! for each fragment. Each time is the shortest of so many (by default three), waiting included; the scene is sent and
 //! compiled before. `FLB_BENCH_HD=1` adds 1920 x 1080. Below, or alone with `ways`, the ways in which the GPU's rays
 //! can find what they meet, at 512 x 512 with one ray a pixel; times include the grids that a view or a sun needs.
+//! Alone with `devices`, what several GPUs take together, or several devices on the one that is there.
 
 mod plants;
 
@@ -20,7 +21,7 @@ use flb_format::{Placement, Transform};
 use flb_gpu::Gpu;
 use flb_render::forest::{Eye, Forest, Ground, InstanceSearch, Land, ModelSearch, Search, View};
 use flb_render::{Lighting, Look, Shading, Species};
-use flb_render_gpu::{FEATURES, ForestSettings, GpuForest, LightSet, LightSource};
+use flb_render_gpu::{FEATURES, Fleet, ForestSettings, GpuForest, LightSet, LightSource};
 use flb_runtime::samplers::SpeciesSampler;
 use flb_scene::Mesh;
 
@@ -76,6 +77,10 @@ fn scene(name: &str, gpu: &Gpu, meshes: &[Mesh], instances: &[Placement], eye: E
     let mut lights = LightSet::load(gpu, &sources, instances.len()).unwrap_or_else(|error| panic!("{error}"));
     let mut on_gpu = GpuForest::new(gpu, &forest, &lights, ForestSettings::default())
         .unwrap_or_else(|error| panic!("{error}"));
+    let view = View { eye, width: 512, height: 512, samples: 1, sky_rays: 0, time_s: 0.0 };
+    if std::env::args().any(|word| word == "devices") {
+        return devices(name, &forest, &sources, view, best_of);
+    }
     let bases: Vec<u8> = (0..19).collect();
     let sampler = SpeciesSampler::load(&library, 0, &bases).expect("a sound file");
     let triangles: usize = instances.iter().map(|one| meshes[one.species].triangles.len()).sum();
@@ -129,13 +134,46 @@ fn scene(name: &str, gpu: &Gpu, meshes: &[Mesh], instances: &[Placement], eye: E
         }
     }
     println!();
-    ways(
-        gpu,
-        &forest,
-        &mut lights,
-        View { eye, width: 512, height: 512, samples: 1, sky_rays: 0, time_s: 0.0 },
-        best_of,
-    );
+    ways(gpu, &forest, &mut lights, view, best_of);
+}
+
+/// Prints what one, two and four devices take for a picture: one on each GPU, and further ones on the first.
+fn devices(name: &str, forest: &Forest, sources: &[LightSource], view: View, best_of: usize) {
+    let found = Gpu::open_up_to(FEATURES, 4).unwrap_or_else(|error| panic!("{error}"));
+    println!("{name}: GPUs {}", found.iter().map(|gpu| gpu.name.as_str()).collect::<Vec<_>>().join(", "));
+    println!("| devices | on GPUs | trace ms | relight ms | relight, times as fast |");
+    println!("|---:|---:|---:|---:|---:|");
+    let daylight = Lighting::towards(towards_sun(SUN[0], SUN[1]));
+    let mut of_one = None;
+    for count in [1, 2, 4] {
+        let member = |index: usize| {
+            let opened = match index < found.len() {
+                true => Gpu::open_up_to(FEATURES, index + 1).map(|mut all| all.swap_remove(index)),
+                false => Gpu::open(FEATURES),
+            };
+            let gpu = opened.unwrap_or_else(|error| panic!("{error}"));
+            let lights = LightSet::load(&gpu, sources, forest.placements().len())
+                .unwrap_or_else(|error| panic!("{error}"));
+            let on_gpu = GpuForest::new(&gpu, forest, &lights, ForestSettings::default());
+            (on_gpu.unwrap_or_else(|error| panic!("{error}")), lights)
+        };
+        let mut fleet = Fleet::new((0..count).map(member)).unwrap_or_else(|error| panic!("{error}"));
+        let trace = |fleet: &mut Fleet| fleet.trace(&view).unwrap_or_else(|error| panic!("{error}"));
+        let relight = |fleet: &mut Fleet| {
+            fleet.relight(&daylight, &Look::default()).unwrap_or_else(|error| panic!("{error}"))
+        };
+        trace(&mut fleet);
+        relight(&mut fleet);
+        let traced = shortest(best_of, || trace(&mut fleet));
+        let relit = shortest(best_of, || drop(relight(&mut fleet)));
+        let first = *of_one.get_or_insert(relit);
+        println!(
+            "| {count} | {} | {traced:.1} | {relit:.1} | {:.2} |",
+            count.min(found.len()),
+            first / relit
+        );
+    }
+    println!();
 }
 
 /// Prints a table of all ways to find what rays meet.

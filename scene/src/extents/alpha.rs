@@ -1,6 +1,8 @@
 //! Whether alpha cuts what it is meant to cut: not all of a material, not a trunk by a map of gloss, and leaves by
 //! their outline.
 
+use std::collections::BTreeMap;
+
 use super::Doubt;
 use crate::alpha::Coverage;
 use crate::import::{MAX_SOFT, area, soft_share};
@@ -30,25 +32,24 @@ pub(super) fn doubts(plant: &ClassedMesh) -> Vec<Doubt> {
     let used = triangles.into_iter().enumerate().filter(|(_, of_it)| !of_it.is_empty());
     let found =
         used.filter_map(|(index, triangles)| of_material(mesh, index, plant.classes[index], &triangles));
-    let mut doubts: Vec<Doubt> = Vec::new();
+    // Of a material that was split by the alpha of its vertices one is told, of all its parts.
+    let mut cut_away: BTreeMap<String, [f64; 2]> = BTreeMap::new();
+    let mut doubts = Vec::new();
     for doubt in found {
-        // Of a material that was split by the alpha of its vertices one is told.
-        let same = doubts.iter_mut().find_map(|known| match (known, &doubt) {
-            (
-                Doubt::CutAway { material, area_m2, left },
-                Doubt::CutAway { material: other, area_m2: more_m2, left: of_other },
-            ) if material == other => Some((area_m2, left, *more_m2, *of_other)),
-            _ => None,
-        });
-        match same {
-            Some((area_m2, left, more_m2, of_other)) => {
-                *left = (*left * *area_m2 + of_other * more_m2) / (*area_m2 + more_m2);
-                *area_m2 += more_m2;
+        match doubt {
+            Doubt::CutAway { material, area_m2, left } => {
+                let sums = cut_away.entry(material).or_default();
+                *sums = [sums[0] + area_m2, sums[1] + left * area_m2];
             }
-            None => doubts.push(doubt),
+            other => doubts.push(other),
         }
     }
-    doubts
+    let told = |(material, [area_m2, left_m2]): (String, [f64; 2])| Doubt::CutAway {
+        material,
+        area_m2,
+        left: left_m2 / area_m2,
+    };
+    cut_away.into_iter().map(told).chain(doubts).collect()
 }
 
 fn of_material(mesh: &Mesh, index: usize, class: MaterialClass, triangles: &[u32]) -> Option<Doubt> {
