@@ -170,6 +170,21 @@ pub enum RuntimeError {
     },
 }
 
+/// Number of the promise that a file of no bytes breaks.
+const NO_BYTES: u32 = 1001;
+
+impl RuntimeError {
+    /// The number of the promise of SPEC.md that the file's bytes break: 1003 for `FLB-1003`. `None` where the fault is
+    /// not one of bytes.
+    pub fn code(&self) -> Option<u32> {
+        match self {
+            RuntimeError::Empty { .. } => Some(NO_BYTES),
+            RuntimeError::Format { source, .. } => Some(source.code()),
+            _ => None,
+        }
+    }
+}
+
 fn list(bases: &[u8]) -> String {
     if bases.is_empty() {
         return "none".to_owned();

@@ -73,7 +73,9 @@ fn offsets_that_wrap_are_refused() {
 fn an_empty_file_is_refused() {
     let file = file_of(b"");
     for source in both(file.path()) {
-        let message = source.err().expect("refused").to_string();
+        let error = source.err().expect("refused");
+        assert_eq!(error.code(), Some(1001));
+        let message = error.to_string();
         assert!(
             message.ends_with("FLB-1001 file at byte 0: the file has 0 bytes, expected at least 8"),
             "{message}"

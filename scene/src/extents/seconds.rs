@@ -97,8 +97,8 @@ impl Other {
     }
 }
 
-/// Number of a point that was looked at, and the gap to a leaf that may double it.
-type Met = (u32, f64);
+/// The least gaps to leaves before a point that was looked at, and behind it; infinite where there is none.
+type Gaps = [f64; 2];
 
 /// Doubts a plant of whose leaves a good part has a second sheet.
 pub(super) fn doubt(plant: &ClassedMesh, longest_m: f64) -> Option<Doubt> {
@@ -121,24 +121,28 @@ pub(super) fn doubt(plant: &ClassedMesh, longest_m: f64) -> Option<Doubt> {
     let points: Vec<DVec3> = flats.iter().flat_map(|flat| flat.points(mesh)).collect();
     let near = Near::of(&flats, &points, longest_m);
     let rounding_m = ROUNDING * longest_m;
-    let met_by = |&triangle: &u32| {
+    let nothing = || vec![[f64::INFINITY; 2]; points.len()];
+    // The least gap on either side: however many sheets lie there, a point has one number for each.
+    let meet = |mut gaps: Vec<Gaps>, &triangle: &u32| {
         let other = Other::of(mesh, triangle);
-        let mut met: Vec<Met> = Vec::new();
         near.each(&other.corners, |number| {
             let gap = other.gap(&flats[number as usize / POINTS.len()], points[number as usize]);
-            met.extend(gap.filter(|gap| gap.abs() > rounding_m).map(|gap| (number, gap)));
+            if let Some(gap) = gap.filter(|gap| gap.abs() > rounding_m) {
+                let least = &mut gaps[number as usize][usize::from(gap < 0.0)];
+                *least = least.min(gap.abs());
+            }
         });
-        met
+        gaps
     };
-    let mut met: Vec<Met> = leaves.par_iter().with_min_len(1024).flat_map_iter(met_by).collect();
-    met.par_sort_unstable_by(|a, b| a.0.cmp(&b.0).then(a.1.total_cmp(&b.1)));
-    met.dedup();
-    let (mut sheets_m2, mut gaps) = (0.0, 0.0);
-    for of_flat in met.chunk_by(|a, b| a.0 / 3 == b.0 / 3) {
-        if let Some(gap_m) = common_gap(of_flat) {
-            let area_m2 = flats[of_flat[0].0 as usize / 3].area_m2;
-            sheets_m2 += area_m2;
-            gaps += gap_m * area_m2;
+    let of_both = |a: Vec<Gaps>, b: Vec<Gaps>| {
+        a.into_iter().zip(b).map(|(a, b)| [a[0].min(b[0]), a[1].min(b[1])]).collect()
+    };
+    let gaps: Vec<Gaps> = leaves.par_iter().with_min_len(4096).fold(nothing, meet).reduce(nothing, of_both);
+    let (mut sheets_m2, mut gap_sum) = (0.0, 0.0);
+    for (flat, gaps) in flats.iter().zip(gaps.chunks_exact(POINTS.len())) {
+        if let Some(gap_m) = common_gap(gaps) {
+            sheets_m2 += flat.area_m2;
+            gap_sum += gap_m * flat.area_m2;
         }
     }
     if sheets_m2 <= MIN_SHARE * looked_m2 {
@@ -146,18 +150,21 @@ pub(super) fn doubt(plant: &ClassedMesh, longest_m: f64) -> Option<Doubt> {
     }
     let leaf_m2: f64 =
         leaves.iter().filter_map(|&triangle| Flat::of(mesh, triangle)).map(|flat| flat.area_m2).sum();
-    Some(Doubt::SecondSheets { sheets_m2: leaf_m2 * sheets_m2 / looked_m2, leaf_m2, gap_m: gaps / sheets_m2 })
+    Some(Doubt::SecondSheets {
+        sheets_m2: leaf_m2 * sheets_m2 / looked_m2,
+        leaf_m2,
+        gap_m: gap_sum / sheets_m2,
+    })
 }
 
-/// The least gap that all three points of a triangle have, to one side. `met` are those of its points, ascending.
-fn common_gap(met: &[Met]) -> Option<f64> {
-    let of = |point: u32| met.iter().filter(move |met| met.0 % 3 == point).map(|met| met.1);
-    let has = |point: u32, gap: f64| {
-        of(point).any(|other| {
-            other * gap > 0.0 && other.abs() <= ALIKE * gap.abs() && gap.abs() <= ALIKE * other.abs()
-        })
+/// The gap that all points of a triangle have to one side, if they have.
+fn common_gap(gaps: &[Gaps]) -> Option<f64> {
+    let to_side = |side: usize| {
+        let of_side = || gaps.iter().map(|gaps| gaps[side]);
+        let (least, most) = (of_side().fold(f64::INFINITY, f64::min), of_side().fold(0.0, f64::max));
+        (most.is_finite() && most <= ALIKE * least).then_some(least)
     };
-    of(0).filter(|&gap| has(1, gap) && has(2, gap)).map(f64::abs).reduce(f64::min)
+    [0, 1].into_iter().filter_map(to_side).reduce(f64::min)
 }
 
 /// Points that are looked at, by the cubes of a lattice.
