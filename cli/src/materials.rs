@@ -14,8 +14,9 @@ use serde::Serialize;
 use crate::args::MaterialsArgs;
 use crate::classes::MeshReader;
 use crate::colors::{self, ColorRow};
-use crate::exit::{Failure, USAGE, VERDICT};
+use crate::exit::{Failure, VERDICT};
 use crate::inputs::check_output;
+use crate::picture::expect_png;
 use crate::print::{self, line, say};
 use crate::size::Measured;
 
@@ -45,9 +46,7 @@ struct Materials {
 pub(crate) fn run(args: &MaterialsArgs) -> Result<u8, Failure> {
     if let Some(picture) = &args.picture {
         check_output(picture, &[&args.mesh_file], args.existing)?;
-        if !picture.extension().is_some_and(|e| e.eq_ignore_ascii_case("png")) {
-            return Err(Failure::new(USAGE, "the picture of classes is a PNG: expected FILE.png").at(picture));
-        }
+        expect_png(picture, "the picture of classes is a PNG: expected FILE.png")?;
     }
     let reader = MeshReader::new(&args.mesh)?;
     let mesh = reader.read(&args.mesh_file)?;

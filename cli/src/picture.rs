@@ -98,6 +98,14 @@ pub(crate) enum PictureFormat {
     Exr,
 }
 
+/// Refuses an output whose name does not end in .png. `what` it is, and how it is called.
+pub(crate) fn expect_png(output: &Path, what: &str) -> Result<(), Failure> {
+    match picture_format(output) {
+        Ok(PictureFormat::Png) => Ok(()),
+        _ => Err(Failure::new(USAGE, what).at(output)),
+    }
+}
+
 pub(crate) fn picture_format(output: &Path) -> Result<PictureFormat, Failure> {
     match output.extension().map(|e| e.to_string_lossy().to_lowercase()).as_deref() {
         Some("png") => Ok(PictureFormat::Png),

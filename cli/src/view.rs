@@ -20,6 +20,7 @@ use crate::exit::{Failure, LOSS, USAGE};
 use crate::forest;
 use crate::inputs::{check_output_of, read_scene};
 use crate::memory::check_plants;
+use crate::picture::expect_png;
 use crate::print::{self, line, say};
 use crate::sky::read_sky;
 
@@ -64,9 +65,7 @@ struct SpeciesViewed {
 pub(crate) fn run(args: &ViewArgs) -> Result<u8, Failure> {
     if let Some(output) = &args.screenshot {
         check_output_of(output, &[&args.scene], args.existing)?;
-        if !output.extension().is_some_and(|e| e.eq_ignore_ascii_case("png")) {
-            return Err(Failure::new(USAGE, "a screenshot is a PNG: expected OUT.png").at(output));
-        }
+        expect_png(output, "a screenshot is a PNG: expected OUT.png")?;
     }
     let outputs: Vec<&Path> = args.screenshot.iter().map(|path| path.as_path()).collect();
     let scene = read_scene(&args.scene, &outputs)?;

@@ -89,6 +89,11 @@ impl Part {
         }
     }
 
+    /// Names that are its own: those of a node and its mesh.
+    pub(crate) fn own_names(&self) -> &[String] {
+        &self.names[..self.names.len().min(2)]
+    }
+
     /// Bounds of all triangles of the part, model space, metres.
     pub fn bounds_m(&self) -> Option<Bounds> {
         self.uses.iter().map(|used| used.bounds_m).reduce(around)

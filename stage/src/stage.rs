@@ -6,7 +6,7 @@ use flb_render::shading::Units;
 use flb_runtime::scene_light::SceneLight;
 use flb_scene::scene::{Ground as SceneGround, Scene, Terrain, Water as SceneWater};
 
-use crate::plant::ScenePlant;
+use crate::plant::{PlantLight, ScenePlant};
 use crate::{StageError, neighbours, plant};
 
 /// A scene with its meshes and its light.
@@ -35,14 +35,22 @@ impl Stage {
             return Err(StageError::PlantCount { found: plants.len(), expected: scene.species.len() });
         }
         plant::share(&mut plants);
-        let lit = || (0..plants.len()).filter_map(|index| Some((index, plants[index].model()?)));
-        if let Some((first, model)) = lit().next()
-            && let Some((other, of_other)) = lit().find(|(_, found)| *found != model)
+        let lit = || {
+            scene
+                .species
+                .iter()
+                .zip(&plants)
+                .filter_map(|(species, plant)| Some((species, plant.light.as_ref()?)))
+        };
+        let model = |light: &PlantLight| light.meta().model.name();
+        if let Some(first) = lit().next()
+            && let Some(other) = lit().find(|(_, light)| model(light) != model(first.1))
         {
-            let file = |index: usize| plants[index].library().map(|(library, _)| library.path().to_owned());
-            let named = |index: usize| (scene.species[index].name.clone(), file(index).unwrap_or_default());
-            let species = Box::new([first, other].map(named));
-            return Err(StageError::Models { species, models: [model, of_other] });
+            let found = [first, other];
+            let species =
+                found.map(|(species, light)| (species.name.clone(), light.library.path().to_owned()));
+            let models = found.map(|(_, light)| model(light));
+            return Err(StageError::Models { species: Box::new(species), models });
         }
         Ok(Stage { scene, plants, scene_light: None })
     }

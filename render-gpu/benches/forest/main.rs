@@ -147,14 +147,17 @@ fn devices(name: &str, forest: &Forest, sources: &[LightSource], view: View, bes
     let mut of_one = None;
     for count in [1, 2, 4] {
         let member = |index: usize| {
-            let opened = match index < found.len() {
-                true => Gpu::open_up_to(FEATURES, index + 1).map(|mut all| all.swap_remove(index)),
-                false => Gpu::open(FEATURES),
+            let further;
+            let gpu = match found.get(index) {
+                Some(gpu) => gpu,
+                None => {
+                    further = Gpu::open(FEATURES).unwrap_or_else(|error| panic!("{error}"));
+                    &further
+                }
             };
-            let gpu = opened.unwrap_or_else(|error| panic!("{error}"));
-            let lights = LightSet::load(&gpu, sources, forest.placements().len())
+            let lights = LightSet::load(gpu, sources, forest.placements().len())
                 .unwrap_or_else(|error| panic!("{error}"));
-            let on_gpu = GpuForest::new(&gpu, forest, &lights, ForestSettings::default());
+            let on_gpu = GpuForest::new(gpu, forest, &lights, ForestSettings::default());
             (on_gpu.unwrap_or_else(|error| panic!("{error}")), lights)
         };
         let mut fleet = Fleet::new((0..count).map(member)).unwrap_or_else(|error| panic!("{error}"));

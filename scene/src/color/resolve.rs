@@ -1,5 +1,7 @@
 //! From a plant's mesh, its measured surfaces and what is said of its colours to the surface of each material.
 
+use std::sync::LazyLock;
+
 use flb_format::colors::color_bands;
 use flb_format::material_surface::{MaterialSurface, Texel};
 use flb_format::matter::{BandSurfaces, LeafSurface, Surfaces, WoodSurface};
@@ -10,11 +12,15 @@ use super::evidence::Evidence;
 use super::points::on_surface;
 use super::rules::{ColorRules, ColorSource};
 use crate::alpha::Coverage;
+use crate::leaf::{Bands, LeafModel};
 use crate::mesh::Material;
 use crate::{MaterialClass, Mesh};
 
-/// Reflectance of common bark in R, G and B ([`crate::leaf::bark_reflectance`]).
-const BARK: [f64; 3] = [0.153, 0.123, 0.090];
+/// Reflectance of common bark in R, G and B.
+static BARK: LazyLock<Vec<f64>> = LazyLock::new(|| {
+    let bands = LeafModel::default().surfaces(&Bands::Rgb).bands;
+    bands.iter().map(|band| band.wood.reflectance).collect()
+});
 /// What differs by less from common bark is that.
 const AS_BARK: f64 = 0.02;
 

@@ -20,18 +20,11 @@ const MIN_OUTSIDE: f64 = 0.15;
 /// Alpha at which an outline is taken that its material does not use.
 const CUTOFF: f32 = 0.5;
 
-/// Doubts of that kind.
-pub(super) fn doubts(plant: &ClassedMesh) -> Vec<Doubt> {
-    let mesh = &plant.mesh;
-    let mut triangles: Vec<Vec<u32>> = vec![Vec::new(); mesh.materials.len()];
-    for (triangle, &material) in (0..).zip(&mesh.triangle_material) {
-        if plant.classes[material as usize] != MaterialClass::Neither {
-            triangles[material as usize].push(triangle);
-        }
-    }
-    let used = triangles.into_iter().enumerate().filter(|(_, of_it)| !of_it.is_empty());
-    let found =
-        used.filter_map(|(index, triangles)| of_material(mesh, index, plant.classes[index], &triangles));
+/// Doubts of that kind. `triangles` are those of each material of leaf or wood.
+pub(super) fn doubts(plant: &ClassedMesh, triangles: &[Vec<u32>]) -> Vec<Doubt> {
+    let used = triangles.iter().enumerate().filter(|(_, of_it)| !of_it.is_empty());
+    let found = used
+        .filter_map(|(index, triangles)| of_material(&plant.mesh, index, plant.classes[index], triangles));
     // Of a material that was split by the alpha of its vertices one is told, of all its parts.
     let mut cut_away: BTreeMap<String, [f64; 2]> = BTreeMap::new();
     let mut doubts = Vec::new();
@@ -110,7 +103,7 @@ fn image_of<'m>(mesh: &'m Mesh, material: &Material) -> Option<&'m Image> {
 }
 
 /// Some of many triangles, even over their list.
-fn some(triangles: &[u32]) -> impl Iterator<Item = u32> + '_ {
+pub(super) fn some(triangles: &[u32]) -> impl Iterator<Item = u32> + '_ {
     triangles.iter().copied().step_by(triangles.len().div_ceil(LOOKED_AT).max(1))
 }
 

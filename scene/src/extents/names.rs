@@ -8,8 +8,6 @@ use crate::{ClassedMesh, MaterialClass};
 
 /// Least area of such parts that is worth a doubt, as a share of that of leaves and wood.
 const MIN_SHARE: f64 = 0.01;
-/// Names of a part that are its own: those of a node and its mesh.
-const OWN: usize = 2;
 /// Parts that a doubt lists.
 const LISTED: usize = 4;
 
@@ -24,7 +22,7 @@ pub(super) fn doubt(plant: &ClassedMesh) -> Option<Doubt> {
     };
     let all_m2: f64 = parts.iter().map(area).sum();
     let other = |part: &&Part| {
-        let said = part.names.iter().take(OWN).find_map(|name| match told(name) {
+        let said = part.own_names().iter().find_map(|name| match told(name) {
             Told::Class(class, word) if is_plainly(class, &word) => Some(class),
             _ => None,
         });

@@ -4,9 +4,11 @@
 use std::fmt::{self, Display};
 
 use super::Doubt;
+use super::alpha::some;
+use crate::mesh::Material;
 use crate::rays::uv;
 use crate::texture::{SrgbTable, color};
-use crate::{ClassedMesh, MaterialClass, Mesh};
+use crate::{ClassedMesh, Mesh};
 
 /// Colours of vertices that are no tint.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -33,8 +35,6 @@ const MAX_LACKING: f64 = 0.005;
 const MAX_APART: f64 = 0.06;
 /// Colours brighter than this in the mean tell nothing by being the same.
 const MAX_SAME: f64 = 0.6;
-/// Triangles of a material whose texture is looked at.
-const LOOKED_AT: usize = 1024;
 /// Share of the vertices of which each channel is the strongest where they are of all hues: leaves that are painted,
 /// from green to red in autumn, are hardly blue; of random numbers a fifth is.
 const MIN_STRONGEST: f64 = 0.1;
@@ -95,43 +95,38 @@ impl Sums {
     }
 }
 
-/// Doubts of that kind.
-pub(super) fn doubts(plant: &ClassedMesh) -> Vec<Doubt> {
+/// Doubts of that kind. `triangles` are those of each material of leaf or wood.
+pub(super) fn doubts(plant: &ClassedMesh, triangles: &[Vec<u32>]) -> Vec<Doubt> {
     let mesh = &plant.mesh;
     if mesh.colors.is_empty() {
         return Vec::new();
     }
     // Over white they are the colour itself.
-    let has_color = |material: usize| {
-        let of = &mesh.materials[material];
+    let has_color = |of: &Material| {
         let image = of.color_texture.and_then(|texture| mesh.images.get(texture.image as usize));
         let has_texture = image.is_some_and(|image| image.width > 1 || image.height > 1);
-        let is_plant = plant.classes[material] != MaterialClass::Neither;
-        is_plant && (has_texture || of.base_color[..3] != [1.0; 3])
+        has_texture || of.base_color[..3] != [1.0; 3]
     };
-    let colored: Vec<bool> = (0..mesh.materials.len()).map(has_color).collect();
-    let mut sums = vec![Sums::default(); mesh.materials.len()];
-    let mut triangles: Vec<Vec<u32>> = vec![Vec::new(); mesh.materials.len()];
-    for (number, (triangle, &material)) in (0u32..).zip(mesh.triangles.iter().zip(&mesh.triangle_material)) {
-        if colored[material as usize] {
-            triangle.iter().for_each(|vertex| sums[material as usize].add(mesh.colors[*vertex as usize]));
-            triangles[material as usize].push(number);
+    let doubt = |(material, triangles): (&Material, &Vec<u32>)| {
+        if triangles.is_empty() || !has_color(material) {
+            return None;
         }
-    }
-    let look = |index: usize| {
-        let used = !triangles[index].is_empty();
-        used.then(|| sums[index].look().or_else(|| repeat(mesh, index, &triangles[index])))?
+        let mut sums = Sums::default();
+        for vertex in triangles.iter().flat_map(|&triangle| mesh.triangles[triangle as usize]) {
+            sums.add(mesh.colors[vertex as usize]);
+        }
+        let look = sums.look().or_else(|| repeat(mesh, material, triangles))?;
+        Some(Doubt::VertexColors { material: material.name.clone(), look })
     };
-    let looks = (0..mesh.materials.len()).filter_map(|index| Some((look(index)?, &mesh.materials[index])));
-    looks.map(|(look, material)| Doubt::VertexColors { material: material.name.clone(), look }).collect()
+    mesh.materials.iter().zip(triangles).filter_map(doubt).collect()
 }
 
 /// Whether colours of vertices are those of the texture there, or of the base colour.
-fn repeat(mesh: &Mesh, index: usize, triangles: &[u32]) -> Option<Painted> {
+fn repeat(mesh: &Mesh, material: &Material, triangles: &[u32]) -> Option<Painted> {
     const MIDDLE: [f32; 2] = [1.0 / 3.0; 2];
-    let (material, table) = (&mesh.materials[index], SrgbTable::new());
+    let table = SrgbTable::new();
     let (mut apart, mut both, mut count) = (0.0, 0.0, 0.0);
-    for &triangle in triangles.iter().step_by(triangles.len().div_ceil(LOOKED_AT).max(1)) {
+    for triangle in some(triangles) {
         let own = color(material, &mesh.images, &table, uv(mesh, triangle as usize, MIDDLE)).as_dvec3();
         let of_vertices = mesh.vertex_color(triangle as usize, MIDDLE).as_dvec3();
         apart += (own - of_vertices).abs().element_sum();

@@ -97,6 +97,12 @@ impl Other {
     }
 }
 
+/// Mean over the area of triangles.
+fn mean(flats: &[Flat], of: impl Fn(&Flat) -> f64) -> f64 {
+    let areas_m2: f64 = flats.iter().map(|flat| flat.area_m2).sum();
+    flats.iter().map(|flat| flat.area_m2 * of(flat)).sum::<f64>() / areas_m2
+}
+
 /// The least gaps to leaves before a point that was looked at, and behind it; infinite where there is none.
 type Gaps = [f64; 2];
 
@@ -115,8 +121,7 @@ pub(super) fn doubt(plant: &ClassedMesh, longest_m: f64) -> Option<Doubt> {
         return None;
     }
     // The reach of a few large triangles is not searched around all.
-    let looked_m2: f64 = flats.iter().map(|flat| flat.area_m2).sum();
-    let mean_reach_m = flats.iter().map(|flat| flat.area_m2 * flat.reach_m).sum::<f64>() / looked_m2;
+    let mean_reach_m = mean(&flats, |flat| flat.reach_m);
     flats.iter_mut().for_each(|flat| flat.reach_m = flat.reach_m.min(MAX_REACH * mean_reach_m));
     let points: Vec<DVec3> = flats.iter().flat_map(|flat| flat.points(mesh)).collect();
     let near = Near::of(&flats, &points, longest_m);
@@ -145,6 +150,7 @@ pub(super) fn doubt(plant: &ClassedMesh, longest_m: f64) -> Option<Doubt> {
             gap_sum += gap_m * flat.area_m2;
         }
     }
+    let looked_m2: f64 = flats.iter().map(|flat| flat.area_m2).sum();
     if sheets_m2 <= MIN_SHARE * looked_m2 {
         return None;
     }
@@ -186,9 +192,7 @@ impl Near {
     fn of(flats: &[Flat], points: &[DVec3], longest_m: f64) -> Near {
         let reach_m = flats.iter().map(|flat| flat.reach_m).fold(0.0, f64::max);
         // As large as most of the leaf's triangles, which so meet few cubes.
-        let looked_m2: f64 = flats.iter().map(|flat| flat.area_m2).sum();
-        let edge_m = flats.iter().map(|flat| flat.area_m2 * flat.area_m2.sqrt()).sum::<f64>() / looked_m2;
-        let cube_m = (2.0 * edge_m).max(longest_m / MAX_ACROSS);
+        let cube_m = (2.0 * mean(flats, |flat| flat.area_m2.sqrt())).max(longest_m / MAX_ACROSS);
         // Several times their entries: most leaves find an empty list.
         let places = (points.len() * 32).next_power_of_two();
         let mut near = Near {

@@ -46,10 +46,22 @@ pub(super) fn doubts(plant: &ClassedMesh, extents: &Extents) -> Vec<Doubt> {
         (0, 1..) => found.push(Doubt::NoLeaf),
         _ => {}
     }
-    found.extend(alpha::doubts(plant));
-    found.extend(painted::doubts(plant));
+    let triangles = by_material(plant);
+    found.extend(alpha::doubts(plant, &triangles));
+    found.extend(painted::doubts(plant, &triangles));
     found.extend(card::doubt(plant, extents));
     found
+}
+
+/// Triangles of each material of leaf or wood.
+fn by_material(plant: &ClassedMesh) -> Vec<Vec<u32>> {
+    let mut triangles = vec![Vec::new(); plant.mesh.materials.len()];
+    for (triangle, &material) in (0..).zip(&plant.mesh.triangle_material) {
+        if plant.classes[material as usize] != MaterialClass::Neither {
+            triangles[material as usize].push(triangle);
+        }
+    }
+    triangles
 }
 
 /// Levels of detail by their names, else by what fills the same box with fewer triangles.

@@ -25,9 +25,6 @@ pub fn told_of_part(part: &Part) -> Option<(Told, &str)> {
     beside.or_else(|| told.find(|(told, _)| matches!(told, Told::Class(..) | Told::Foreign(_))))
 }
 
-/// Names of a part that are its own: those of a node and its mesh.
-const OWN: usize = 2;
-
 /// Which parts are things whatever their materials are called.
 #[derive(Default)]
 pub(crate) struct Things {
@@ -44,7 +41,7 @@ impl Things {
         let is_stand_in = |part: &Part| part.names.iter().any(|name| stand_in(name).is_some());
         let is_named_so = |part: &Part| match told_of_part(part) {
             Some((Told::Foreign(_), by)) => {
-                is_stand_in(part) || part.names.iter().take(OWN).any(|name| name == by)
+                is_stand_in(part) || part.own_names().iter().any(|name| name == by)
             }
             _ => false,
         };

@@ -44,7 +44,7 @@ const UNIT_TOLERANCE: f64 = 1e-3;
 struct Raw {
     bands: Option<Spanned<Vec<String>>>,
     light: Option<PathBuf>,
-    #[serde(default)]
+    #[serde(default, deserialize_with = "RawSky::of_table_or_file")]
     sky: RawSky,
     sun: Option<Spanned<RawSun>>,
     camera: Option<Spanned<RawCamera>>,

@@ -26,7 +26,8 @@ pub enum SceneSky {
     Image(PathBuf),
 }
 
-#[derive(Default)]
+#[derive(Deserialize, Default)]
+#[serde(deny_unknown_fields)]
 pub(super) struct RawSky {
     ambient: Option<Spanned<f64>>,
     clear: Option<Spanned<RawClear>>,
@@ -34,25 +35,16 @@ pub(super) struct RawSky {
     backdrop: Option<PathBuf>,
 }
 
-#[derive(Deserialize)]
-#[serde(deny_unknown_fields)]
-struct RawTable {
-    ambient: Option<Spanned<f64>>,
-    clear: Option<Spanned<RawClear>>,
-    image: Option<PathBuf>,
-    backdrop: Option<PathBuf>,
-}
-
-impl<'de> Deserialize<'de> for RawSky {
-    fn deserialize<D: Deserializer<'de>>(from: D) -> Result<RawSky, D::Error> {
-        from.deserialize_any(SkyVisitor)
+impl RawSky {
+    /// Reads a table, or the file of an image alone.
+    pub(super) fn of_table_or_file<'de, D: Deserializer<'de>>(from: D) -> Result<RawSky, D::Error> {
+        from.deserialize_any(TableOrFile)
     }
 }
 
-/// A table, or the file of an image alone.
-struct SkyVisitor;
+struct TableOrFile;
 
-impl<'de> Visitor<'de> for SkyVisitor {
+impl<'de> Visitor<'de> for TableOrFile {
     type Value = RawSky;
 
     fn expecting(&self, f: &mut fmt::Formatter) -> fmt::Result {
@@ -64,9 +56,7 @@ impl<'de> Visitor<'de> for SkyVisitor {
     }
 
     fn visit_map<A: MapAccess<'de>>(self, table: A) -> Result<RawSky, A::Error> {
-        let table = RawTable::deserialize(MapAccessDeserializer::new(table))?;
-        let RawTable { ambient, clear, image, backdrop } = table;
-        Ok(RawSky { ambient, clear, image, backdrop })
+        RawSky::deserialize(MapAccessDeserializer::new(table))
     }
 }
 
