@@ -22,7 +22,7 @@ use crate::colors::{self, ColorRow};
 use crate::exit::{Failure, LOSS};
 use crate::print::{self, line, say};
 use crate::saving::PlanSavings;
-use crate::size::Measured;
+use crate::size::{Areas, Measured};
 use crate::stages::{Stage, Stages};
 use crate::summary::{SpeciesSummary, misses_its_error, saving_lines, species_table, stage_table};
 use checks::{check_judge, check_names, check_settings};
@@ -72,7 +72,7 @@ pub(crate) fn run(args: &BakeArgs) -> Result<u8, Failure> {
     let mut summaries = Vec::new();
     let mut converged = true;
     for ((path, name), settings) in args.meshes.iter().zip(&names).zip(&settings) {
-        let One { baked, measured, colours, mesh } =
+        let One { baked, measured, areas, colours, mesh } =
             bake_one((path, name), args, settings, &reader, &cache, &stages)?;
         converged &= baked.converged;
         let mut species =
@@ -84,7 +84,12 @@ pub(crate) fn run(args: &BakeArgs) -> Result<u8, Failure> {
         }
         let saving = plan.is_some().then(|| PlanSavings::of_bake(&species, baked.bands, baked.solves));
         let summary = SpeciesSummary::new(&species, baked.fields.medium.nonempty_sites(), saving);
-        summaries.push(SpeciesSummary { doubts: Some(measured.doubts), colours: Some(colours), ..summary });
+        summaries.push(SpeciesSummary {
+            areas: Some(areas),
+            doubts: Some(measured.doubts),
+            colours: Some(colours),
+            ..summary
+        });
         coded.push(species);
         if args.keep_fields.is_some() {
             let compress = args.coding.compress == Some(true);
@@ -126,6 +131,7 @@ pub(crate) fn run(args: &BakeArgs) -> Result<u8, Failure> {
 struct One {
     baked: Baked,
     measured: Measured,
+    areas: Areas,
     colours: Vec<ColorRow>,
     /// If its light is to be judged.
     mesh: Option<ClassedMesh>,
@@ -146,6 +152,7 @@ fn bake_one(
     args.keep_fields.as_deref().map_or(Ok(()), check_unread)?;
     let measured = measure(path, &classed, args, reader)?;
     say!("{}: the plant is {} (x, y up, z)", path.display(), measured.text());
+    let areas = Areas::of(&classed);
     let mesh = args.judge.then(|| classed.clone());
     let plant = reader.plants.plant(name.to_owned(), classed);
     let colours = colors::of_plant(&plant);
@@ -153,7 +160,9 @@ fn bake_one(
         colors::say_colors(path, &plant);
     }
     let baked = bake(plant, settings, cache, stages).map_err(|error| Failure::from(error).at(path))?;
-    Ok(One { baked, measured, colours, mesh })
+    let areas = areas.left(&baked.fields.medium);
+    areas.say(path);
+    Ok(One { baked, measured, areas, colours, mesh })
 }
 
 /// How large a mesh is and what is doubted of it, which `--strict` refuses.

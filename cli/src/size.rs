@@ -3,8 +3,9 @@
 
 use std::path::Path;
 
+use flb_format::Medium;
 use flb_scene::extents::{Doubt, Extents, Mend, doubts, number};
-use flb_scene::{ClassedMesh, ImportSettings};
+use flb_scene::{ClassedMesh, ImportSettings, MaterialClass};
 use serde::Serialize;
 
 use crate::exit::{Failure, VERDICT};
@@ -64,6 +65,38 @@ impl Measured {
     /// "12.5 x 11.9 x 11.8 m".
     pub(crate) fn text(&self) -> String {
         format!("{} m", size_text(self.size_m))
+    }
+}
+
+/// Area of leaves, one side of each, and of wood, square metres, as summaries tell it.
+#[derive(Debug, Clone, Copy, Serialize)]
+pub(crate) struct Areas {
+    leaf_m2: f64,
+    leaf_left_m2: f64,
+    wood_m2: f64,
+    wood_left_m2: f64,
+}
+
+impl Areas {
+    /// Of all triangles of a plant; nothing is left yet.
+    pub(crate) fn of(plant: &ClassedMesh) -> Areas {
+        let [leaf_m2, wood_m2] = [MaterialClass::Leaf, MaterialClass::Wood].map(|class| plant.area_m2(class));
+        Areas { leaf_m2, leaf_left_m2: 0.0, wood_m2, wood_left_m2: 0.0 }
+    }
+
+    /// The same, with what alpha left of it in the medium.
+    pub(crate) fn left(self, medium: &Medium) -> Areas {
+        Areas { leaf_left_m2: medium.leaf_area_m2(), wood_left_m2: medium.wood_area_m2(), ..self }
+    }
+
+    /// Says them on stderr.
+    pub(crate) fn say(&self, path: &Path) {
+        let of_class = |all_m2: f64, left_m2: f64| {
+            format!("{} m^2, of which alpha leaves {} m^2", number(all_m2), number(left_m2))
+        };
+        let (leaf, wood) =
+            (of_class(self.leaf_m2, self.leaf_left_m2), of_class(self.wood_m2, self.wood_left_m2));
+        say!("{}: leaf {leaf}; wood {wood}", path.display());
     }
 }
 

@@ -11,7 +11,7 @@ use flb_baker::bake::base_list;
 use crate::colors::ColorRow;
 use crate::print::{self, line, say};
 use crate::saving::PlanSavings;
-use crate::size::{DoubtSaid, size_text};
+use crate::size::{Areas, DoubtSaid, size_text};
 use crate::stages::Stage;
 
 /// One species in the summary of `bake` and `pack`.
@@ -25,6 +25,9 @@ pub(crate) struct SpeciesSummary {
     pub sites_nonempty: u64,
     /// Width along x, height along y, depth along z.
     pub size_m: [f64; 3],
+    /// Areas of leaves and wood; of `bake` alone, which has its mesh.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub areas: Option<Areas>,
     /// Doubts about the plant; of `bake` alone, which has its mesh.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub doubts: Option<Vec<DoubtSaid>>,
@@ -69,6 +72,7 @@ impl SpeciesSummary {
             lattice: meta.grid.lattice,
             sites_nonempty: sites_nonempty as u64,
             size_m: std::array::from_fn(|axis| meta.bounds_m.max[axis] - meta.bounds_m.min[axis]),
+            areas: None,
             doubts: None,
             colours: None,
             bytes: stored(&mut species.sections.iter()),

@@ -46,6 +46,21 @@ impl Medium {
     pub fn nonempty_sites(&self) -> usize {
         self.class.iter().filter(|class| **class != Class::Empty).count()
     }
+
+    /// One-sided leaf area of all sites, square metres.
+    pub fn leaf_area_m2(&self) -> f64 {
+        self.area_m2(&self.leaf_area_density)
+    }
+
+    /// Wood surface area of all sites, square metres.
+    pub fn wood_area_m2(&self) -> f64 {
+        self.area_m2(&self.wood_area_density)
+    }
+
+    fn area_m2(&self, density: &[f32]) -> f64 {
+        let spacing_m = self.grid.spacing_m;
+        density.iter().map(|&density| f64::from(density)).sum::<f64>() * spacing_m * spacing_m * spacing_m
+    }
 }
 
 /// Bits of the significand that area densities and extinctions keep, the leading one counted: to 0.1 %. The digits

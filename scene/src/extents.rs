@@ -15,6 +15,7 @@ mod mend;
 mod names;
 mod painted;
 mod seconds;
+mod spot;
 #[cfg(test)]
 mod tests;
 mod whole;
@@ -28,7 +29,7 @@ pub use foot::Side;
 pub use mend::Mend;
 pub use painted::Painted;
 
-use crate::import::{Up, area, quoted};
+use crate::import::{Up, quoted};
 use crate::unit::UNITS;
 use crate::{ClassedMesh, ImportSettings, MaterialClass};
 
@@ -118,6 +119,11 @@ pub enum Doubt {
         /// Plants that stand apart: labels of parts, or where each is.
         stands: Vec<String>,
     },
+    /// Whole plants, each with its trunk, stand on one spot.
+    OneSpot {
+        /// Names of the parts that are a plant each.
+        names: Vec<String>,
+    },
     /// The plant has leaves and no wood.
     NoWood,
     /// The plant has wood and no leaf.
@@ -197,7 +203,7 @@ pub enum Doubt {
         sheets_m2: f64,
         /// Area of all leaves, square metres.
         leaf_m2: f64,
-        /// Mean gap between two sheets, metres.
+        /// Mean gap between two sheets, metres; 0 where they lie on each other.
         gap_m: f64,
     },
     /// Leaves stand behind walls of wood: in a closed box, or deep in a pot.
@@ -216,6 +222,7 @@ impl Doubt {
             Doubt::Enclosed(_) => "enclosed",
             Doubt::Levels { .. } => "levels",
             Doubt::Apart { .. } => "apart",
+            Doubt::OneSpot { .. } => "one-spot",
             Doubt::NoWood => "no-wood",
             Doubt::NoLeaf => "no-leaf",
             Doubt::CutAway { .. } => "cut-away",
@@ -256,6 +263,10 @@ impl Display for Doubt {
                     "{count} parts stand apart, as {count} plants do: {}; expected one plant",
                     list(stands)
                 )
+            }
+            Doubt::OneSpot { names } => {
+                let (count, names) = (names.len(), list(names));
+                write!(f, "{count} plants with a trunk each stand on one spot: {names}; expected one plant")
             }
             Doubt::NoWood => write!(f, "the plant has leaves and no wood: no material is taken for wood"),
             Doubt::NoLeaf => write!(f, "the plant has wood and no leaf: no material is taken for leaf"),
@@ -325,10 +336,14 @@ impl Display for Doubt {
             }
             Doubt::SecondSheets { sheets_m2, leaf_m2, gap_m } => {
                 let [sheets, leaf, gap] = [*sheets_m2, *leaf_m2, *gap_m].map(number);
+                let place = match *gap_m > 0.0 {
+                    true => format!("{gap} m behind or before"),
+                    false => "on".to_owned(),
+                };
                 write!(
                     f,
-                    "{sheets} of {leaf} m2 of leaf have a second sheet {gap} m behind or before \
-                     them, expected single leaves: either sheet counts as a leaf"
+                    "{sheets} of {leaf} m2 of leaf have a second sheet {place} them, expected single leaves: either \
+                     sheet counts as a leaf"
                 )
             }
             Doubt::Shells { shells_m2, leaf_m2, thickness_m } => {
@@ -356,13 +371,19 @@ pub fn doubts(plant: &ClassedMesh, read_as: &ImportSettings) -> Vec<Doubt> {
     let of_parts = whole::doubts(plant, &extents);
     // Of several plants no one is the foot.
     let are_several = of_parts.iter().any(|doubt| matches!(doubt, Doubt::Apart { .. }));
+    let are_told = of_parts.iter().any(|doubt| matches!(doubt, Doubt::Levels { .. }));
+    let on_one_spot = spot::doubt(plant, &extents).filter(|_| !are_told);
+    // Of a plant that is there twice each leaf is.
+    let is_single = !are_told && on_one_spot.is_none();
+    let second_sheets = is_single.then(|| seconds::doubt(plant, extents.longest_m())).flatten();
     of_size
         .into_iter()
         .chain(of_wood.filter(|_| !are_several))
         .chain(doubt_of_shells(plant))
-        .chain(seconds::doubt(plant, extents.longest_m()))
+        .chain(second_sheets)
         .chain(doubt_of_walls(plant, &extents))
         .chain(of_parts)
+        .chain(on_one_spot)
         .chain(names::doubt(plant))
         .collect()
 }
@@ -400,15 +421,7 @@ fn doubt_of_shells(plant: &ClassedMesh) -> Option<Doubt> {
     if thick.area_m2 == 0.0 {
         return None;
     }
-    let mesh = &plant.mesh;
-    let leaf_m2: f64 = (0..mesh.triangles.len())
-        .filter(|&triangle| plant.classes[mesh.triangle_material[triangle] as usize] == MaterialClass::Leaf)
-        .map(|triangle| {
-            let corners = mesh.triangles[triangle];
-            mesh.sheets.side(triangle).share()
-                * area(corners.map(|vertex| mesh.positions[vertex as usize].map(f64::from)))
-        })
-        .sum();
+    let leaf_m2 = plant.area_m2(MaterialClass::Leaf);
     let shells_m2 = thick.area_m2;
     (shells_m2 > SHELLS * leaf_m2).then_some(Doubt::Shells {
         shells_m2,

@@ -19,6 +19,7 @@ mod split;
 mod split_patterns;
 mod things;
 mod type_words;
+pub(crate) mod uses;
 
 use std::io::Read;
 use std::path::Path;

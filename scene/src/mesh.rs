@@ -77,6 +77,17 @@ pub struct PartUse {
     pub area_m2: f64,
     /// Bounds of the triangles, model space, metres.
     pub bounds_m: Bounds,
+    /// Where they stand.
+    pub foot: Foot,
+}
+
+/// Corners of triangles in the lowest twentieth of their height: of a tree's wood, the foot of its trunk.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct Foot {
+    /// Mean of the corners, model space, metres.
+    pub middle_m: [f64; 3],
+    /// Root mean square distance of the corners from the middle over the ground, metres: a tube's radius.
+    pub spread_m: f64,
 }
 
 impl Part {

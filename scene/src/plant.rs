@@ -20,8 +20,7 @@ pub use record::{Record, recorded_classes, recorded_offset_m, recorded_settings}
 use crate::classify::Classified;
 use crate::classify::classify;
 use crate::color::{ColorRules, Colors, MaterialColor, resolve};
-use crate::import::WHOLE;
-use crate::import::import;
+use crate::import::{WHOLE, area, import};
 use crate::leaf::knapp_carter;
 use crate::mesh::AlphaMode;
 use crate::{ClassRules, ImportError, ImportSettings, MaterialClass, Mesh, SpeciesFile, sheets};
@@ -60,6 +59,19 @@ impl ClassedMesh {
             leaf: count(MaterialClass::Leaf),
             wood: count(MaterialClass::Wood),
         }
+    }
+
+    /// Area of the triangles of a class, nothing cut away, square metres. A triangle that stands for one side of a leaf
+    /// counts half.
+    pub fn area_m2(&self, class: MaterialClass) -> f64 {
+        let mesh = &self.mesh;
+        let of_class = |triangle: &usize| self.classes[mesh.triangle_material[*triangle] as usize] == class;
+        let area_m2 = |triangle: usize| {
+            let corners =
+                mesh.triangles[triangle].map(|vertex| mesh.positions[vertex as usize].map(f64::from));
+            mesh.sheets.side(triangle).share() * area(corners)
+        };
+        (0..mesh.triangles.len()).filter(of_class).map(area_m2).sum()
     }
 
     /// Bounds of what is leaf or wood; of all triangles where nothing is; `None` for a mesh without any.

@@ -1,6 +1,6 @@
 use super::*;
 use crate::mesh::{Filter, Image, Texture, Wrap};
-use crate::mesh::{Material, PartUse};
+use crate::mesh::{Foot, Material, PartUse};
 use MaterialClass::{Leaf, Neither, Wood};
 use flb_format::meta::Bounds;
 
@@ -41,7 +41,7 @@ fn classes(mesh: &Mesh, rules: &ClassRules) -> Vec<MaterialClass> {
 
 fn part(names: &[&str], material: u32) -> Part {
     let bounds_m = Bounds { min: [0.0; 3], max: [1.0; 3] };
-    let uses = vec![PartUse { material, triangles: 1, area_m2: 0.5, bounds_m }];
+    let uses = vec![PartUse { material, triangles: 1, area_m2: 0.5, bounds_m, foot: Foot::default() }];
     Part { names: names.iter().map(|&name| name.to_owned()).collect(), node: None, uses }
 }
 

@@ -24,7 +24,7 @@ impl Mend {
             Doubt::Foot { up: None, .. } => {
                 format!("{} does not mend that: turn the plant in its file", self.words("--up", "up"))
             }
-            Doubt::Levels { .. } | Doubt::Apart { .. } => {
+            Doubt::Levels { .. } | Doubt::Apart { .. } | Doubt::OneSpot { .. } => {
                 format!("{} chooses nodes or groups", self.words("--node", "`nodes`"))
             }
             Doubt::CutAway { .. } => {

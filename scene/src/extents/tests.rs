@@ -1,8 +1,9 @@
 use flb_fixtures::{PlantKind, grow};
 
 use super::*;
+use crate::import::uses::fill;
 use crate::mesh::testing::soup;
-use crate::mesh::{AlphaMode, Part, PartUse, around};
+use crate::mesh::{AlphaMode, Part};
 use crate::{Mesh, PlantReader};
 
 mod exports;
@@ -302,14 +303,14 @@ fn metres_are_shown_to_three_digits() {
     assert_eq!(shown, ["12.5", "1530", "0.0312", "100", "7", "0", "1.00e-9", "3.40e38"]);
 }
 
-/// A part of these triangles of `plant`, all of one material.
+/// A part of these triangles of `plant`.
 fn part(plant: &ClassedMesh, names: &[&str], triangles: std::ops::Range<usize>) -> Part {
-    let corners = plant.mesh.triangles[triangles.clone()].iter().flatten();
-    let points = corners.map(|&vertex| plant.mesh.positions[vertex as usize].map(f64::from));
-    let bounds_m = points.map(|point| Bounds { min: point, max: point }).reduce(around).expect("a triangle");
-    let material = plant.mesh.triangle_material[triangles.start];
-    let uses = vec![PartUse { material, triangles: triangles.len() as u64, area_m2: 1.0, bounds_m }];
-    Part { names: names.iter().map(|&name| name.to_owned()).collect(), node: None, uses }
+    let all = 0..plant.mesh.triangles.len();
+    let is_other: Vec<u32> = all.map(|triangle| u32::from(!triangles.contains(&triangle))).collect();
+    let mut parts = [Part::default(), Part::default()];
+    fill(&plant.mesh, &is_other, &[], &mut parts);
+    let [part, _] = parts;
+    Part { names: names.iter().map(|&name| name.to_owned()).collect(), ..part }
 }
 
 #[test]
@@ -368,7 +369,10 @@ fn whole_plants_in_much_the_same_box_are_levels_whatever_their_names() {
         |doubts: Vec<Doubt>| matches!(doubts.as_slice(), [Doubt::Levels { names }] if names.len() == 2);
     assert!(levels(doubts(&[&a, &b])), "twice the same plant");
     let longest = (0..3).map(|k| a.uses[0].bounds_m.max[k] - a.uses[0].bounds_m.min[k]).fold(0.0, f64::max);
-    b.uses.iter_mut().for_each(|used| used.bounds_m.max[0] += 0.1 * longest);
+    b.uses.iter_mut().for_each(|used| {
+        used.bounds_m.max[0] += 0.1 * longest;
+        used.foot.middle_m[0] += 1.0;
+    });
     assert_eq!(doubts(&[&a, &b]), [], "two stems of one shrub");
     b.uses.iter_mut().for_each(|used| used.triangles /= 4);
     assert!(levels(doubts(&[&a, &b])), "a coarse level with larger leaves");

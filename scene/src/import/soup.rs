@@ -121,7 +121,7 @@ pub(super) struct Finished {
 
 /// A triangle that a part had, too, exactly where another part has it.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(super) struct Lent {
+pub(crate) struct Lent {
     /// The part that lost it.
     pub part: u32,
     /// The one that stays.
@@ -334,21 +334,24 @@ impl Soup {
             key.sort_unstable();
             key
         };
-        let materials = self.triangles.iter().zip(&self.triangle_material);
-        let mut order: Vec<([u32; 3], u32, u32)> =
-            (0u32..).zip(materials).map(|(i, (&triangle, &material))| (key(triangle), material, i)).collect();
+        let mut order: Vec<([u32; 3], u32)> =
+            (0u32..).zip(&self.triangles).map(|(i, &triangle)| (key(triangle), i)).collect();
         order.sort_unstable();
         let mut keep = vec![true; order.len()];
         let mut lent = Vec::new();
-        for same in order.chunk_by(|a, b| (a.0, a.1) == (b.0, b.1)).filter(|same| same.len() > 1) {
-            let [(.., first), others @ ..] = same else { continue };
-            for (.., other) in others {
-                keep[*other as usize] = false;
-                match (self.part_of(*first), self.part_of(*other)) {
-                    (Some(of_first), Some(part)) if of_first != part => {
-                        lent.push(Lent { part, triangle: *first })
+        let material = |triangle: u32| self.triangle_material[triangle as usize];
+        for same in order.chunk_by_mut(|a, b| a.0 == b.0).filter(|same| same.len() > 1) {
+            same.sort_unstable_by_key(|&(_, triangle)| (material(triangle), triangle));
+            for same in same.chunk_by(|a, b| material(a.1) == material(b.1)) {
+                let [(_, first), others @ ..] = same else { continue };
+                for (_, other) in others {
+                    keep[*other as usize] = false;
+                    match (self.part_of(*first), self.part_of(*other)) {
+                        (Some(of_first), Some(part)) if of_first != part => {
+                            lent.push(Lent { part, triangle: *first })
+                        }
+                        _ => {}
                     }
-                    _ => {}
                 }
             }
         }

@@ -11,18 +11,17 @@
 
 use std::collections::{BTreeMap, HashMap};
 
-use flb_format::meta::Bounds;
-
 use super::blend::split_points;
 use super::error::ImportError;
 use super::files::Files;
 use super::limits;
-use super::soup::{Finished, Lent, area};
+use super::soup::{Finished, area};
 use super::split_patterns::SplitPatterns;
 use super::things::{Things, told_of_material, told_of_part};
+use super::uses;
 use crate::MaterialClass;
 use crate::classify::words::{Told, is_of_several};
-use crate::mesh::{AlphaMode, Image, Material, Mesh, Part, PartUse, Texture, around};
+use crate::mesh::{AlphaMode, Image, Material, Mesh, Part, Texture};
 use crate::rays::uv;
 use crate::sampling::on_triangle;
 use crate::texture;
@@ -145,8 +144,7 @@ pub(super) fn split(
     mesh.triangle_material = slots;
     split_points(&mut mesh);
     files.limit("materials, split by what they show", mesh.materials.len() as u64, limits::MATERIALS)?;
-    fill_uses(&mesh, &triangle_part, &mut parts);
-    add_lent(&mesh, &lent, &mut parts);
+    uses::fill(&mesh, &triangle_part, &lent, &mut parts);
     parts.retain(|part| part.uses.iter().any(|used| used.triangles > 0));
     mesh.parts = parts;
     Ok(mesh)
@@ -267,41 +265,4 @@ fn mean_of(mesh: &Mesh, texture: Texture, triangle: usize) -> [f64; 4] {
         sums.iter_mut().zip(values).for_each(|(sum, value)| *sum += value);
     }
     sums.map(|sum| sum / f64::from(POINTS))
-}
-
-fn fill_uses(mesh: &Mesh, triangle_part: &[u32], parts: &mut [Part]) {
-    for (triangle, &part) in triangle_part.iter().enumerate() {
-        let material = mesh.triangle_material[triangle];
-        let corners = mesh.triangles[triangle].map(|vertex| mesh.positions[vertex as usize].map(f64::from));
-        let bounds_m = bounds_of(corners);
-        let uses = &mut parts[part as usize].uses;
-        let area_m2 = area(corners);
-        match uses.iter_mut().rev().find(|used| used.material == material) {
-            Some(used) => {
-                used.triangles += 1;
-                used.area_m2 += area_m2;
-                used.bounds_m = around(used.bounds_m, bounds_m);
-            }
-            None => uses.push(PartUse { material, triangles: 1, area_m2, bounds_m }),
-        }
-    }
-}
-
-/// Triangles that went because another part has the same ones still count for where a part is.
-fn add_lent(mesh: &Mesh, lent: &[Lent], parts: &mut [Part]) {
-    for &Lent { part, triangle } in lent {
-        let material = mesh.triangle_material[triangle as usize];
-        let corners = mesh.triangles[triangle as usize];
-        let bounds_m = bounds_of(corners.map(|vertex| mesh.positions[vertex as usize].map(f64::from)));
-        let uses = &mut parts[part as usize].uses;
-        match uses.iter_mut().find(|used| used.material == material) {
-            Some(used) => used.bounds_m = around(used.bounds_m, bounds_m),
-            None => uses.push(PartUse { material, triangles: 0, area_m2: 0.0, bounds_m }),
-        }
-    }
-}
-
-fn bounds_of(corners: [[f64; 3]; 3]) -> Bounds {
-    let bounds_m = corners.map(|point| Bounds { min: point, max: point }).into_iter().reduce(around);
-    bounds_m.expect("a triangle has three corners")
 }

@@ -10,6 +10,7 @@
 use glam::DVec3;
 use rayon::prelude::*;
 
+use super::points::points;
 use super::union::Union;
 use super::{corners, set};
 use crate::Mesh;
@@ -60,40 +61,6 @@ pub(super) fn find(mesh: &Mesh, leaves: &[u32], longest_m: f64, found: &mut Shee
         found.shells.triangles += pieces.of_piece(piece).len() as u64;
         found.shells.area_m2 += measure.area_m2;
     }
-}
-
-/// Per leaf the numbers of its corners; corners at one position have one number. And how many numbers there are.
-fn points(mesh: &Mesh, leaves: &[u32]) -> (Vec<[u32; 3]>, usize) {
-    let mut number_of_vertex = vec![NONE; mesh.positions.len()];
-    let places = (leaves.len() * 3).min(mesh.positions.len()).next_power_of_two() * 2;
-    let mut table = vec![NONE; places];
-    let mut count = 0u32;
-    let bits = |vertex: u32| mesh.positions[vertex as usize].map(|coordinate| (coordinate + 0.0).to_bits());
-    // `[number]`: a vertex at it.
-    let mut vertex_of: Vec<u32> = Vec::new();
-    let mut number = |vertex: u32| {
-        if number_of_vertex[vertex as usize] != NONE {
-            return number_of_vertex[vertex as usize];
-        }
-        let key = bits(vertex);
-        let mixed = key.iter().fold(0x9e37_79b9_7f4a_7c15u64, |hash, &word| {
-            let mixed = (hash ^ u64::from(word)).wrapping_mul(0xff51_afd7_ed55_8ccd);
-            mixed ^ (mixed >> 32)
-        });
-        let mut place = mixed as usize & (places - 1);
-        while table[place] != NONE && bits(vertex_of[table[place] as usize]) != key {
-            place = (place + 1) & (places - 1);
-        }
-        if table[place] == NONE {
-            table[place] = count;
-            vertex_of.push(vertex);
-            count += 1;
-        }
-        number_of_vertex[vertex as usize] = table[place];
-        table[place]
-    };
-    let points = leaves.iter().map(|&triangle| mesh.triangles[triangle as usize].map(&mut number)).collect();
-    (points, count as usize)
 }
 
 /// Indices of the leaves whose part, all that shares points, may be closed; ascending.

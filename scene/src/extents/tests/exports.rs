@@ -74,11 +74,7 @@ fn plants_whose_crowns_meet_are_a_doubt_and_stems_of_a_shrub_are_not() {
         let mut both = plant(&all, &[], |point| point);
         let one = wood.len() + leaves.len();
         both.mesh.triangle_material = (0..all.len()).map(|at| u32::from(at % one < wood.len())).collect();
-        let whole = |name: &str, first: usize| {
-            let mut tree = part(&both, &[name], first..first + wood.len());
-            tree.uses.extend(part(&both, &[], first + wood.len()..first + one).uses);
-            tree
-        };
+        let whole = |name: &str, first: usize| part(&both, &[name], first..first + one);
         both.mesh.parts = vec![whole("Tree_01", 0), whole("Tree_02", one)];
         all_found(&both, Up::Y)
     };
@@ -87,6 +83,50 @@ fn plants_whose_crowns_meet_are_a_doubt_and_stems_of_a_shrub_are_not() {
     let [Doubt::Apart { stands }] = &doubts[..] else { panic!("{doubts:?}") };
     assert_eq!(stands, &["Tree_01", "Tree_02"]);
     assert!(!found(2.0).iter().any(|doubt| doubt.name() == "apart"));
+}
+
+/// Trees on one spot: a node each, with a mesh of wood and one of leaves below it.
+fn trees(all: &[(&str, f64, Point)]) -> ClassedMesh {
+    let [wood, leaves] = tree();
+    let turned = |(_, scale, lean): &(&str, f64, Point), part: &[foot::Triangle]| -> Vec<foot::Triangle> {
+        let corner =
+            |corner: Point| std::array::from_fn(|axis| scale * (corner[axis] + lean[axis] * corner[1]));
+        part.iter().map(|triangle| triangle.map(corner)).collect()
+    };
+    let woods = all.iter().flat_map(|tree| turned(tree, &wood)).collect::<Vec<_>>();
+    let crowns = all.iter().flat_map(|tree| turned(tree, &leaves)).collect::<Vec<_>>();
+    let mut found = plant(&woods, &crowns, |point| point);
+    let parts = all.iter().enumerate().flat_map(|(at, (name, ..))| {
+        let [of_wood, of_leaves] = [(wood.len(), 0), (leaves.len(), woods.len())]
+            .map(|(count, first)| first + at * count..first + (at + 1) * count);
+        [part(&found, &["wood", name, "scene"], of_wood), part(&found, &["leaves", name, "scene"], of_leaves)]
+    });
+    found.mesh.parts = parts.collect();
+    found
+}
+
+#[test]
+fn plants_on_one_spot_are_a_doubt_and_stems_that_lean_apart_are_not() {
+    let spots = |all: &[(&str, f64, Point)]| {
+        let found = all_found(&trees(all), Up::Y);
+        found.into_iter().filter(|doubt| ["one-spot", "levels"].contains(&doubt.name())).collect::<Vec<_>>()
+    };
+    let [upright, lean] = [[0.0; 3], [0.0, 0.0, 0.03]];
+    assert_eq!(spots(&[("Oak_A", 1.0, upright)]), []);
+    // Variants of one size, a young one in an old one, three.
+    let found = spots(&[("Oak_A", 1.0, upright), ("Oak_B", 1.0, lean)]);
+    let [doubt @ Doubt::OneSpot { names }] = &found[..] else { panic!("{found:?}") };
+    assert_eq!(names, &["Oak_A", "Oak_B"]);
+    let text = Mend::Flags.said(doubt);
+    let expected =
+        "2 plants with a trunk each stand on one spot: 'Oak_A', 'Oak_B'; expected one plant; --node";
+    assert!(text.starts_with(expected), "{text}");
+    let young = spots(&[("young", 0.6, lean), ("old", 1.0, upright)]);
+    assert!(matches!(&young[..], [Doubt::OneSpot { names }] if names == &["young", "old"]), "{young:?}");
+    let three = spots(&[("a", 0.9, lean), ("b", 1.0, upright), ("c", 0.8, [0.05, 0.0, 0.0])]);
+    assert!(matches!(&three[..], [Doubt::OneSpot { names }] if names.len() == 3), "{three:?}");
+    // Stems of one stool, each to its side.
+    assert_eq!(spots(&[("stem.1", 1.0, [0.4, 0.0, 0.0]), ("stem.2", 0.9, [-0.3, 0.0, 0.3])]), []);
 }
 
 #[test]
