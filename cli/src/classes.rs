@@ -67,7 +67,7 @@ impl MeshReader {
 
     /// The size of a mesh that was read, and doubts about it, which go to stderr.
     pub(crate) fn measure(&self, path: &Path, classed: &ClassedMesh) -> Measured {
-        let measured = Measured::of(classed, &self.plants.settings, self.mend);
+        let measured = Measured::of_reader(classed, &self.plants, self.mend);
         measured.say(path);
         measured
     }

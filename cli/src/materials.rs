@@ -56,7 +56,7 @@ pub(crate) fn run(args: &MaterialsArgs) -> Result<u8, Failure> {
     if let Some(picture) = &args.picture {
         draw(args, picture, &mesh, &known)?;
     }
-    let (offset_m, read, skipped) = (mesh.offset_m, mesh.notes.clone(), mesh.warnings.clone());
+    let (offset_m, mut read, skipped) = (mesh.offset_m, mesh.notes.clone(), mesh.warnings.clone());
     let nodes = parts(&mesh);
     let is_plant =
         |found: &Found| matches!(found, Found::Class(known) if known.class != MaterialClass::Neither);
@@ -64,7 +64,8 @@ pub(crate) fn run(args: &MaterialsArgs) -> Result<u8, Failure> {
         true => {
             let (classed, _) = reader.plants.class(mesh).map_err(at_mesh)?;
             reader.say_sheets(&args.mesh_file, &classed);
-            let measured = Measured::of(&classed, &reader.plants.settings, reader.mend);
+            read.extend(classed.mesh.sheets.notes());
+            let measured = Measured::of_reader(&classed, &reader.plants, reader.mend);
             // What is there twice is known with the classes.
             (rows(&classed.mesh, &known), measured, colors::rows(&args.mesh_file, &reader.plants, classed))
         }

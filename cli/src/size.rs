@@ -4,8 +4,8 @@
 use std::path::Path;
 
 use flb_format::Medium;
-use flb_scene::extents::{Doubt, Extents, Mend, doubts, number};
-use flb_scene::{ClassedMesh, ImportSettings, MaterialClass};
+use flb_scene::extents::{Doubt, Extents, Mend, doubts, doubts_of, number};
+use flb_scene::{ClassedMesh, ImportSettings, MaterialClass, PlantReader};
 use serde::Serialize;
 
 use crate::exit::{Failure, VERDICT};
@@ -30,6 +30,11 @@ impl Measured {
     /// Of a plant whose mesh was read as `read_as` says.
     pub(crate) fn of(plant: &ClassedMesh, read_as: &ImportSettings, mend: Mend) -> Measured {
         Measured::new(Extents::of(plant), doubts(plant, read_as), mend)
+    }
+
+    /// Of a plant that a reader read, but for what its flags and its species file answer.
+    pub(crate) fn of_reader(plant: &ClassedMesh, reader: &PlantReader, mend: Mend) -> Measured {
+        Measured::new(Extents::of(plant), doubts_of(plant, reader), mend)
     }
 
     /// Of a box alone: where classes are not known, and of a mesh that only its light tells of.

@@ -7,7 +7,7 @@ use std::path::{Path, PathBuf};
 use flb_format::text::is_hidden;
 use flb_scene::classify::table::triangle_counts;
 use flb_scene::classify::{Found, found};
-use flb_scene::extents::{Mend, doubts};
+use flb_scene::extents::{Mend, doubts_of};
 use flb_scene::import::import;
 use flb_scene::plant::file_name;
 use flb_scene::{ClassRules, ImportError, ImportSettings, PlantReader, SpeciesFile};
@@ -105,7 +105,7 @@ fn read(
     }
     if open.is_empty() {
         let (classed, _) = reader.class(mesh)?;
-        doubted.extend(doubts(&classed, &reader.settings).iter().map(|doubt| Mend::Manifest.said(doubt)));
+        doubted.extend(doubts_of(&classed, &reader).iter().map(|doubt| Mend::Manifest.said(doubt)));
     }
     Ok(open)
 }

@@ -4,7 +4,7 @@
 use flb_baker::bake::BakeSettings;
 use flb_packer::EncodeSettings;
 use flb_scene::color::words;
-use flb_scene::extents::{Mend, doubts};
+use flb_scene::extents::{Mend, doubts_of};
 use flb_scene::import::{TEXT_BYTES, read_text};
 use flb_scene::{ClassRules, ImportError, ImportSettings, Observer, Plant, PlantReader, SpeciesFile};
 use flb_stage::read::read_classed;
@@ -87,7 +87,7 @@ impl Job {
     /// [`FarmError::Stage`].
     pub fn read(&self, observer: &dyn Observer) -> Result<Read, FarmError> {
         let mesh = read_classed(&self.entry.mesh, &self.reader, observer)?;
-        let doubted = doubts(&mesh, &self.reader.settings);
+        let doubted = doubts_of(&mesh, &self.reader);
         let doubted = doubted.iter().map(|doubt| Mend::Manifest.said(doubt));
         let mut warnings: Vec<String> = doubted.chain(mesh.mesh.warnings.iter().cloned()).collect();
         let plant = self.reader.plant(self.entry.name.clone(), mesh);

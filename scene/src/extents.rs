@@ -9,12 +9,15 @@
 
 mod alpha;
 mod card;
+mod doubt;
 mod enclosed;
 mod foot;
+mod hull;
 mod mend;
 mod names;
 mod painted;
 mod seconds;
+mod shape;
 mod spot;
 #[cfg(test)]
 mod tests;
@@ -24,17 +27,22 @@ use std::fmt::{self, Display};
 
 use flb_format::meta::Bounds;
 
+pub use doubt::Doubt;
 pub use enclosed::{Enclosed, Walls};
 pub use foot::Side;
 pub use mend::Mend;
 pub use painted::Painted;
 
-use crate::import::{Up, quoted};
+use crate::classify::SpeciesRules;
+use crate::import::Up;
 use crate::unit::UNITS;
-use crate::{ClassedMesh, ImportSettings, MaterialClass};
+use crate::{ClassedMesh, ImportSettings, MaterialClass, PlantReader};
 
 /// Longest edges of plants, metres, that are not doubted: from a moss to the tallest trees.
 pub const USUAL_M: [f64; 2] = [0.05, 100.0];
+
+/// Longest edges, metres, that are not doubted where the unit is stated: from a seedling to the tallest tree.
+const STATED_M: std::ops::Range<f64> = 0.01..130.0;
 
 /// Wood is expected to begin below this share of the plant's height: leaves may hang lower than the trunk stands.
 const LOWEST_WOOD: f64 = 1.0 / 3.0;
@@ -92,277 +100,6 @@ impl Display for Extents {
     }
 }
 
-/// Doubt about a plant's box or matter.
-#[derive(Debug, Clone, PartialEq)]
-pub enum Doubt {
-    /// The longest edge is outside [`USUAL_M`].
-    Size {
-        /// Longest edge as it was read, metres.
-        longest_m: f64,
-        /// Units of the file under which it would be usual, and its longest edge then, metres.
-        units: Vec<(&'static str, f64)>,
-    },
-    /// The plant stands on another side than its bottom: it lies, or stands on its head.
-    Foot {
-        /// Side where the wood is thickest.
-        at: Side,
-        /// The up axis of the file under which that would be its bottom, if one would.
-        up: Option<Up>,
-    },
-    /// Levels of detail beside each other.
-    Levels {
-        /// Labels of the parts, or names of the materials.
-        names: Vec<String>,
-    },
-    /// Parts of the plant stand apart, as several plants do.
-    Apart {
-        /// Plants that stand apart: labels of parts, or where each is.
-        stands: Vec<String>,
-    },
-    /// Whole plants, each with its trunk, stand on one spot.
-    OneSpot {
-        /// Names of the parts that are a plant each.
-        names: Vec<String>,
-    },
-    /// The plant has leaves and no wood.
-    NoWood,
-    /// The plant has wood and no leaf.
-    NoLeaf,
-    /// Alpha leaves nothing of a material, or next to nothing.
-    CutAway {
-        /// Name of the material.
-        material: String,
-        /// Area of the material's triangles, square metres.
-        area_m2: f64,
-        /// Share of it that alpha leaves, 0..=1.
-        left: f64,
-    },
-    /// Alpha that is no outline cuts wood, as a map of gloss does that an exporter took for alpha.
-    WoodCut {
-        /// Name of the material.
-        material: String,
-        /// Name of its image.
-        image: String,
-        /// Share of the material that it cuts away, 0..=1.
-        cut: f64,
-    },
-    /// Leaves are opaque to their edges, though their image has an outline.
-    Uncut {
-        /// Name of the material.
-        material: String,
-        /// Name of its image.
-        image: String,
-        /// Share of the material outside of that outline, 0..=1.
-        outside: f64,
-    },
-    /// Colours of vertices that multiply a texture look like data.
-    VertexColors {
-        /// Name of the material.
-        material: String,
-        /// Kind of data that they look like.
-        look: Painted,
-    },
-    /// A few triangles as large as the plant are much of its leaf area, as the ground is, or cards that stand for a
-    /// plant from afar.
-    Card {
-        /// Number of these triangles.
-        triangles: u64,
-        /// Share of the leaf area, 0..=1.
-        share: f64,
-        /// Names of their materials.
-        materials: Vec<String>,
-    },
-    /// Parts that are called a trunk and are leaf alone, or are called leaves and are wood alone.
-    Names {
-        /// `MATERIAL@PART` of some of them.
-        parts: Vec<String>,
-        /// Area of all of them, square metres.
-        area_m2: f64,
-        /// Class that they have; `None` where some are leaf and some wood.
-        class: Option<MaterialClass>,
-    },
-    /// The wood begins high above the lowest leaf.
-    HighWood {
-        /// Height of the lowest wood above the lowest leaf, metres.
-        above_m: f64,
-        /// Height of the plant, metres.
-        height_m: f64,
-    },
-    /// Much of the leaf is closed shells that are too thick to be leaves: their insides are leaf that no light reaches.
-    Shells {
-        /// Area of these shells, square metres.
-        shells_m2: f64,
-        /// Area of all leaves, square metres.
-        leaf_m2: f64,
-        /// Mean thickness of the thickest, metres.
-        thickness_m: f64,
-    },
-    /// Much of the leaf has a second sheet behind it, too far off to be taken for its other side.
-    SecondSheets {
-        /// Area of leaves that have one, both sheets of each, square metres.
-        sheets_m2: f64,
-        /// Area of all leaves, square metres.
-        leaf_m2: f64,
-        /// Mean gap between two sheets, metres; 0 where they lie on each other.
-        gap_m: f64,
-    },
-    /// Leaves stand behind walls of wood: in a closed box, or deep in a pot.
-    Enclosed(Enclosed),
-}
-
-impl Doubt {
-    /// A word for it, which keeps its meaning.
-    pub fn name(&self) -> &'static str {
-        match self {
-            Doubt::Size { .. } => "size",
-            Doubt::Foot { .. } => "foot",
-            Doubt::HighWood { .. } => "high-wood",
-            Doubt::Shells { .. } => "shells",
-            Doubt::SecondSheets { .. } => "second-sheets",
-            Doubt::Enclosed(_) => "enclosed",
-            Doubt::Levels { .. } => "levels",
-            Doubt::Apart { .. } => "apart",
-            Doubt::OneSpot { .. } => "one-spot",
-            Doubt::NoWood => "no-wood",
-            Doubt::NoLeaf => "no-leaf",
-            Doubt::CutAway { .. } => "cut-away",
-            Doubt::WoodCut { .. } => "wood-cut",
-            Doubt::Uncut { .. } => "uncut",
-            Doubt::VertexColors { .. } => "vertex-colours",
-            Doubt::Card { .. } => "card",
-            Doubt::Names { .. } => "names",
-        }
-    }
-}
-
-impl Display for Doubt {
-    fn fmt(&self, f: &mut fmt::Formatter) -> fmt::Result {
-        match self {
-            Doubt::Size { longest_m, .. } => {
-                let [low, high] = USUAL_M.map(number);
-                write!(f, "the plant's longest edge is {} m, expected {low} to {high} m", number(*longest_m))
-            }
-            Doubt::Foot { at, .. } => {
-                let (at, bottom) = (at.name(), Side::BOTTOM.name());
-                write!(
-                    f,
-                    "the plant's foot (its thickest wood) is on its side {at}, expected at its bottom, {bottom}"
-                )
-            }
-            Doubt::Levels { names } => {
-                write!(
-                    f,
-                    "levels of detail of one plant are all there: {}; expected one of them",
-                    list(names)
-                )
-            }
-            Doubt::Apart { stands } => {
-                let count = stands.len();
-                write!(
-                    f,
-                    "{count} parts stand apart, as {count} plants do: {}; expected one plant",
-                    list(stands)
-                )
-            }
-            Doubt::OneSpot { names } => {
-                let (count, names) = (names.len(), list(names));
-                write!(f, "{count} plants with a trunk each stand on one spot: {names}; expected one plant")
-            }
-            Doubt::NoWood => write!(f, "the plant has leaves and no wood: no material is taken for wood"),
-            Doubt::NoLeaf => write!(f, "the plant has wood and no leaf: no material is taken for leaf"),
-            Doubt::CutAway { material, area_m2, left } => {
-                let left = match *left > 0.0 {
-                    true => format!("{} %", number(100.0 * left)),
-                    false => "nothing".to_owned(),
-                };
-                let area = number(*area_m2);
-                write!(f, "alpha leaves {left} of {area} m^2 of the material {material:?}")
-            }
-            Doubt::WoodCut { material, image, cut } => write!(
-                f,
-                "the alpha of {} cuts {:.0} % of the wood {material:?} away and is no outline, expected whole wood: it \
-                 looks like a map of gloss or height",
-                list(std::slice::from_ref(image)),
-                100.0 * cut
-            ),
-            Doubt::Uncut { material, image, outside } => write!(
-                f,
-                "{:.0} % of the leaves {material:?} lie outside of the outline in the alpha of {}, and the material is \
-                 opaque there (alphaMode OPAQUE, or none), expected MASK: whole cards count as leaf",
-                100.0 * outside,
-                list(std::slice::from_ref(image)),
-            ),
-            Doubt::VertexColors { material, look } => write!(
-                f,
-                "the colours of the vertices of material {material:?} {look} and multiply its texture or base colour, \
-                 expected a tint: data of wind may lie there, or the colour a second time"
-            ),
-            Doubt::Card { triangles, share, materials } => write!(
-                f,
-                "{triangles} triangles as large as the plant are {:.0} % of its leaf area (material {}), as the ground is, \
-                 or a card that stands for a plant from afar; expected leaves alone",
-                100.0 * share,
-                list(materials)
-            ),
-            Doubt::Names { parts, area_m2, class } => {
-                let [found, expected] = match class {
-                    Some(MaterialClass::Leaf) => ["leaf", "wood"],
-                    Some(_) => ["wood", "leaf"],
-                    None => ["of one class", "of the other"],
-                };
-                let (area, parts) = (number(*area_m2), list(parts));
-                write!(
-                    f,
-                    "{area} m2 are {found} by material, expected {expected} by the names of their parts: {parts}"
-                )
-            }
-            Doubt::HighWood { above_m, height_m } => {
-                let [above, height] = [*above_m, *height_m].map(number);
-                write!(
-                    f,
-                    "the wood begins {above} m above the lowest leaf of a plant {height} m high, expected at its bottom"
-                )
-            }
-            Doubt::Enclosed(Enclosed { share, open }) => {
-                let percent = |share: f64| format!("{:.0} %", 100.0 * share);
-                write!(
-                    f,
-                    "{} of the leaf area sees {} of the sky past wood, expected over {}: it stays dark, and the light \
-                     of suns there, a hundredth of open light, may be off by a third",
-                    percent(*share),
-                    percent(*open),
-                    percent(enclosed::OPEN)
-                )
-            }
-            Doubt::SecondSheets { sheets_m2, leaf_m2, gap_m } => {
-                let [sheets, leaf, gap] = [*sheets_m2, *leaf_m2, *gap_m].map(number);
-                let place = match *gap_m > 0.0 {
-                    true => format!("{gap} m behind or before"),
-                    false => "on".to_owned(),
-                };
-                write!(
-                    f,
-                    "{sheets} of {leaf} m2 of leaf have a second sheet {place} them, expected single leaves: either \
-                     sheet counts as a leaf"
-                )
-            }
-            Doubt::Shells { shells_m2, leaf_m2, thickness_m } => {
-                let [shells, leaf, thick] = [*shells_m2, *leaf_m2, *thickness_m].map(number);
-                write!(
-                    f,
-                    "{shells} of {leaf} m2 of leaf are closed shells up to {thick} m thick, expected single leaves: their \
-                     insides count as leaf, too"
-                )
-            }
-        }
-    }
-}
-
-/// Names in quotes.
-fn list(names: &[String]) -> String {
-    names.iter().map(|name| format!("'{}'", quoted(name))).collect::<Vec<_>>().join(", ")
-}
-
 /// All doubts about a plant. `read_as` is how its mesh was read.
 pub fn doubts(plant: &ClassedMesh, read_as: &ImportSettings) -> Vec<Doubt> {
     let Some(extents) = Extents::of(plant) else { return Vec::new() };
@@ -376,16 +113,43 @@ pub fn doubts(plant: &ClassedMesh, read_as: &ImportSettings) -> Vec<Doubt> {
     // Of a plant that is there twice each leaf is.
     let is_single = !are_told && on_one_spot.is_none();
     let second_sheets = is_single.then(|| seconds::doubt(plant, extents.longest_m())).flatten();
+    let of_shape = shape::doubt(plant, &extents).filter(|_| !are_several);
+    let of_shells = doubt_of_shells(plant);
+    let of_hull = hull::doubt(plant, &extents).filter(|_| of_shells.is_none() && !has_card(&of_parts));
     of_size
         .into_iter()
+        .chain(of_shape)
         .chain(of_wood.filter(|_| !are_several))
-        .chain(doubt_of_shells(plant))
+        .chain(of_shells)
         .chain(second_sheets)
         .chain(doubt_of_walls(plant, &extents))
         .chain(of_parts)
+        .chain(of_hull)
         .chain(on_one_spot)
         .chain(names::doubt(plant))
         .collect()
+}
+
+/// All doubts about a plant that a reader read. Who says which materials are leaves, or which are wood, knows that
+/// there is no wood, or no leaf; and who says the unit knows of a size just beyond those of plants.
+pub fn doubts_of(plant: &ClassedMesh, reader: &PlantReader) -> Vec<Doubt> {
+    let rules = &reader.rules;
+    let says = |flag: &[String], file: fn(&SpeciesRules) -> &[String]| {
+        !flag.is_empty() || rules.species.as_ref().is_some_and(|species| !file(species).is_empty())
+    };
+    let says_leaf = says(&rules.leaf, |species| &species.leaf);
+    let says_wood = says(&rules.wood, |species| &species.wood);
+    let is_open = |doubt: &Doubt| match doubt {
+        Doubt::NoWood => !says_leaf,
+        Doubt::NoLeaf => !says_wood,
+        Doubt::Size { longest_m, .. } => reader.settings.unit_m.is_none() || !STATED_M.contains(longest_m),
+        _ => true,
+    };
+    doubts(plant, &reader.settings).into_iter().filter(is_open).collect()
+}
+
+fn has_card(doubts: &[Doubt]) -> bool {
+    doubts.iter().any(|doubt| matches!(doubt, Doubt::Card { .. }))
 }
 
 /// Whether the wood stands where plants do. A plant without wood stands as it likes.

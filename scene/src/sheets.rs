@@ -28,7 +28,7 @@ mod union;
 
 use crate::mesh::sides::{Sheets, Side};
 use crate::{MaterialClass, Mesh};
-pub(crate) use points::blades;
+pub(crate) use points::{blades, pieces};
 
 /// Finds what is there twice, and tells it in `mesh.sheets`. Triangles that lie exactly on those of another material
 /// and are no other side of them are dropped, as are third sheets of a leaf. `classes` has one entry per material;

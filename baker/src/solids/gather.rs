@@ -9,11 +9,8 @@ use flb_scene::sampling::{cosine_hemisphere, hash, r2_sequence};
 use glam::{DVec3, Vec3};
 use rayon::prelude::*;
 
-use super::points::{SolidPoint, SolidPoints};
+use super::points::{SolidPoint, SolidPoints, rays_of};
 use super::{Places, Solids};
-
-/// Rays from each side of each point.
-pub(super) const RAYS: u32 = 48;
 
 /// The first of them, which tell whether a side is inside of a solid.
 const SCOUTS: u32 = 8;
@@ -120,7 +117,8 @@ pub(super) fn gather(
 ) -> Result<Gathered, Cancelled> {
     let sent = Sent::new(solids);
     let sky = solids.total.items.first() == Some(&0);
-    let tracer = Tracer { solids, rays, places, sent: &sent, points, sky };
+    let count = rays_of(points.points.len());
+    let tracer = Tracer { solids, rays, places, sent: &sent, points, sky, count };
     let done = AtomicUsize::new(0);
     let of_point = |(number, point): (usize, &SolidPoint)| {
         let found = [1.0, -1.0].map(|side| tracer.side(number as u32, point, side));
@@ -154,6 +152,8 @@ struct Tracer<'a> {
     sent: &'a Sent,
     points: &'a SolidPoints,
     sky: bool,
+    /// Rays from each side.
+    count: u32,
 }
 
 impl Tracer<'_> {
@@ -162,7 +162,7 @@ impl Tracer<'_> {
         let seed = hash(2 * number + u32::from(side < 0.0));
         let mut light = vec![0.0; self.sent.width];
         let mut inside = 0;
-        for i in 0..RAYS {
+        for i in 0..self.count {
             if i == SCOUTS && inside == SCOUTS {
                 return None;
             }
@@ -176,11 +176,11 @@ impl Tracer<'_> {
                 End::Sky | End::Nothing => {}
             }
         }
-        let open = 1.0 - inside as f32 / RAYS as f32;
+        let open = 1.0 - inside as f32 / self.count as f32;
         if open < OPEN {
             return None;
         }
-        light.iter_mut().for_each(|sum| *sum /= RAYS as f32);
+        light.iter_mut().for_each(|sum| *sum /= self.count as f32);
         let grid = &self.solids.turbid.grid;
         let at =
             point.at.as_dvec3() + normal.as_dvec3() * (flb_format::sample::SOLID_OFFSET * grid.spacing_m);

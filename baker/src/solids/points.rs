@@ -13,6 +13,12 @@ const PER_FACE: f64 = 3.0;
 /// Fewest and most points.
 const POINTS: [f64; 2] = [256.0, 262_144.0];
 
+/// Rays from each side of a point: fewer where points are many, as those of one site share their noise.
+const RAYS: [u32; 2] = [16, 48];
+
+/// Points up to which each sends all of its rays.
+const FEW: usize = 65_536;
+
 /// Points that tell which way a mesh's solids face, and rays from each of their sides.
 const JUDGES: [usize; 2] = [512, 8];
 
@@ -39,6 +45,11 @@ pub(super) struct SolidPoints {
     pub area: f64,
     /// Whether vertices run clockwise, seen from outside.
     pub inward: bool,
+}
+
+/// Rays from each side of each of so many points.
+pub(super) fn rays_of(points: usize) -> u32 {
+    ((RAYS[1] as usize * FEW / points.max(1)) as u32).clamp(RAYS[0], RAYS[1])
 }
 
 /// Points on all wood of a mesh.

@@ -19,8 +19,8 @@ use flb_scene::sampling::{cosine_hemisphere, hash, r2_sequence};
 use glam::{DVec3, Vec3};
 use rayon::prelude::*;
 
-use super::gather::{Gathered, Met, OPEN, RAYS, Sent, Side, meet, place_near};
-use super::points::{SolidPoint, SolidPoints};
+use super::gather::{Gathered, Met, OPEN, Sent, Side, meet, place_near};
+use super::points::{SolidPoint, SolidPoints, rays_of};
 use super::ringing::Ringing;
 use super::{Places, Solids};
 
@@ -47,7 +47,7 @@ enum End {
 
 /// What rays from a side found.
 struct Traced {
-    ends: [End; RAYS as usize],
+    ends: Box<[End]>,
     /// Per item: light that comes straight from the sky or a sun.
     straight: Vec<f32>,
     /// Share of rays that do not meet a solid from its inside.
@@ -61,6 +61,8 @@ pub(super) struct Surfaces<'a> {
     places: &'a Places,
     wood: &'a SolidPoints,
     leaves: &'a SolidPoints,
+    /// Rays from each side.
+    count: u32,
     /// The non-empty sites.
     sites: Vec<u32>,
     /// Per point, those of solids first: the place of its site.
@@ -85,7 +87,8 @@ impl<'a> Surfaces<'a> {
                 by_site[place].push(number);
             }
         }
-        Surfaces { solids, rays, places, wood, leaves, sites, place_of, by_site }
+        let count = rays_of(place_of.len());
+        Surfaces { solids, rays, places, wood, leaves, count, sites, place_of, by_site }
     }
 
     /// What comes to all sides, less the straight light of suns.
@@ -157,8 +160,8 @@ impl<'a> Surfaces<'a> {
         let items = &self.solids.total.items;
         let mut straight = vec![0.0; items.len()];
         let mut inside = 0;
-        let ends = std::array::from_fn(|i| {
-            let [height, turn] = r2_sequence(seed, i as u32);
+        let of_ray = |i: u32| {
+            let [height, turn] = r2_sequence(seed, i);
             let ray = Ray { origin, direction: cosine_hemisphere(normal, height, turn) };
             let (end, from_inside) = self.end(ray, triangle);
             inside += u32::from(from_inside);
@@ -166,8 +169,9 @@ impl<'a> Surfaces<'a> {
                 self.add_sky(ray.direction, &mut straight);
             }
             end
-        });
-        straight.iter_mut().for_each(|sum| *sum /= RAYS as f32);
+        };
+        let ends = (0..self.count).map(of_ray).collect();
+        straight.iter_mut().for_each(|sum| *sum /= self.count as f32);
         for (straight, &item) in straight.iter_mut().zip(items) {
             let Some(sun) = self.solids.suns.sun_of(item) else { continue };
             let sun = DVec3::from(sun).as_vec3();
@@ -176,7 +180,7 @@ impl<'a> Surfaces<'a> {
                 *straight = 4.0 * cos;
             }
         }
-        Traced { ends, straight, open: 1.0 - inside as f32 / RAYS as f32 }
+        Traced { ends, straight, open: 1.0 - inside as f32 / self.count as f32 }
     }
 
     /// Adds a ray that meets nothing to what comes from the sky, and from the suns of each harmonic.
@@ -245,12 +249,12 @@ impl<'a> Surfaces<'a> {
         let (width, bands) = (sent.width, sent.bands);
         let mut outside = vec![0.0_f32; traced.len() * width];
         outside.par_chunks_mut(width).zip(traced).for_each(|(light, traced)| {
-            for end in traced.ends {
+            for &end in &traced.ends {
                 if let End::Cloud(place) = end {
                     sent.add(place as usize, false, light);
                 }
             }
-            light.iter_mut().for_each(|sum| *sum /= RAYS as f32);
+            light.iter_mut().for_each(|sum| *sum /= self.count as f32);
             for (light, straight) in light.chunks_exact_mut(bands).zip(&traced.straight) {
                 light.iter_mut().for_each(|light| *light += straight);
             }
@@ -261,13 +265,13 @@ impl<'a> Surfaces<'a> {
             let mut next = outside.clone();
             next.par_chunks_mut(width).zip(traced).for_each(|(light, traced)| {
                 let mut sum = vec![0.0_f32; width];
-                for end in traced.ends {
+                for &end in &traced.ends {
                     if let End::Side(side) = end {
                         let from = &sending[side as usize * width..][..width];
                         sum.iter_mut().zip(from).for_each(|(sum, from)| *sum += from);
                     }
                 }
-                light.iter_mut().zip(sum).for_each(|(light, sum)| *light += sum / RAYS as f32);
+                light.iter_mut().zip(sum).for_each(|(light, sum)| *light += sum / self.count as f32);
             });
             let change: f64 = light.iter().zip(&next).map(|(a, b)| f64::from((a - b).abs())).sum();
             let all: f64 = next.iter().map(|light| f64::from(light.abs())).sum();

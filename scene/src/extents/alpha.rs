@@ -7,7 +7,9 @@ use super::Doubt;
 use crate::alpha::Coverage;
 use crate::import::{MAX_SOFT, area, soft_share};
 use crate::mesh::{AlphaMode, Image, Material};
+use crate::rays::uv;
 use crate::sampling::on_triangle;
+use crate::texture::nearest;
 use crate::{ClassedMesh, MaterialClass, Mesh};
 
 /// Alpha that leaves less than this share of a material is doubted: cards of needles keep several hundredths.
@@ -19,6 +21,15 @@ const POINTS: u32 = 16;
 const MIN_OUTSIDE: f64 = 0.15;
 /// Alpha at which an outline is taken that its material does not use.
 const CUTOFF: f32 = 0.5;
+
+/// Edge of an image that has a border, texels.
+const MIN_EDGE: usize = 16;
+/// Share of the border's texels that are flat where it is a background's.
+const MIN_BORDER: f64 = 0.97;
+/// Difference of a flat colour from black or white, of 255.
+const NOISE: u8 = 12;
+/// A material that shows more than this of its background shows nothing else: white is its colour.
+const MAX_BACKGROUND: f64 = 0.95;
 
 /// Doubts of that kind. `triangles` are those of each material of leaf or wood.
 pub(super) fn doubts(plant: &ClassedMesh, triangles: &[Vec<u32>]) -> Vec<Doubt> {
@@ -48,7 +59,8 @@ pub(super) fn doubts(plant: &ClassedMesh, triangles: &[Vec<u32>]) -> Vec<Doubt> 
 fn of_material(mesh: &Mesh, index: usize, class: MaterialClass, triangles: &[u32]) -> Option<Doubt> {
     let material = &mesh.materials[index];
     if material.alpha_mode == AlphaMode::Opaque {
-        return (class == MaterialClass::Leaf).then(|| uncut(mesh, material, triangles))?;
+        return (class == MaterialClass::Leaf)
+            .then(|| uncut(mesh, material, triangles).or_else(|| background(mesh, material, triangles)))?;
     }
     let coverage = Coverage::of(mesh, index).ok().filter(|coverage| *coverage != Coverage::Full)?;
     cut_away(mesh, material, &coverage, triangles)
@@ -96,6 +108,51 @@ fn uncut(mesh: &Mesh, material: &Material, triangles: &[u32]) -> Option<Doubt> {
         image: image.name.clone(),
         outside,
     })
+}
+
+/// Whether leaves show the background of an image that lost its alpha: flat black or white all around its border.
+fn background(mesh: &Mesh, material: &Material, triangles: &[u32]) -> Option<Doubt> {
+    let texture = material.color_texture?;
+    let image = mesh.images.get(texture.image as usize).filter(|image| !image.has_cut)?;
+    let [width, height] = [image.width as usize, image.height as usize];
+    if width < MIN_EDGE || height < MIN_EDGE {
+        return None;
+    }
+    let rgb = |x: usize, y: usize| [0, 1, 2].map(|band| image.rgba[4 * (y * width + x) + band]);
+    let border = (0..width).flat_map(|x| [(x, 0), (x, height - 1)]);
+    let border = border.chain((0..height).flat_map(|y| [(0, y), (width - 1, y)]));
+    let (black, white, all) = border.fold((0, 0, 0), |(black, white, all), (x, y)| {
+        let color = rgb(x, y);
+        (black + usize::from(is_flat(color, 0)), white + usize::from(is_flat(color, u8::MAX)), all + 1)
+    });
+    let flat = if black > white { 0 } else { u8::MAX };
+    if (black.max(white) as f64) < MIN_BORDER * all as f64 {
+        return None;
+    }
+    let (mut shown, mut looked) = (0.0, 0.0);
+    for triangle in some(triangles) {
+        let corners =
+            mesh.triangles[triangle as usize].map(|vertex| mesh.positions[vertex as usize].map(f64::from));
+        let shows = |point: &u32| {
+            let [r, g, b, _] =
+                nearest(&texture, image, uv(mesh, triangle as usize, on_triangle(triangle, *point)));
+            is_flat([r, g, b], flat)
+        };
+        let area_m2 = area(corners);
+        shown += area_m2 * (0..POINTS).filter(shows).count() as f64 / f64::from(POINTS);
+        looked += area_m2;
+    }
+    let share = shown / looked;
+    (MIN_OUTSIDE..=MAX_BACKGROUND).contains(&share).then(|| Doubt::Background {
+        material: material.name.clone(),
+        image: image.name.clone(),
+        share,
+    })
+}
+
+/// Whether a colour is black (0) or white (255), but for the noise of JPEG.
+fn is_flat(rgb: [u8; 3], flat: u8) -> bool {
+    rgb.iter().all(|value| value.abs_diff(flat) <= NOISE)
 }
 
 fn image_of<'m>(mesh: &'m Mesh, material: &Material) -> Option<&'m Image> {

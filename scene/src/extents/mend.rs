@@ -37,6 +37,20 @@ impl Mend {
                 let alpha = self.alpha();
                 format!("set its material's alphaMode to OPAQUE, or keep all of it ({alpha})")
             }
+            Doubt::Scales { .. } | Doubt::Air { .. } | Doubt::Thin { .. } => {
+                "look at the units and transforms of its parts, and export again".to_owned()
+            }
+            Doubt::Scrap { .. } => {
+                format!("{} chooses nodes or groups; or delete it in the mesh", self.words("--node", "`nodes`"))
+            }
+            Doubt::Hull { .. } => {
+                let words = self.words("--ignore", "`ignore`");
+                format!("{words} leaves out a material; a crown's hull needs leaves of its own")
+            }
+            Doubt::Background { .. } => {
+                "export the image with alpha, or name its opacity map in the material, and set alphaMode to MASK"
+                    .to_owned()
+            }
             Doubt::Uncut { .. } => "set its material's alphaMode to MASK and export again".to_owned(),
             Doubt::VertexColors { .. } => {
                 let words = self.words("--ignore-vertex-colours", "`ignore_vertex_colours = true`");

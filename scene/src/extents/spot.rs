@@ -9,7 +9,7 @@ use std::collections::BTreeMap;
 use flb_format::meta::Bounds;
 
 use super::{Doubt, Extents};
-use crate::mesh::{Foot, PartUse, around};
+use crate::mesh::{Foot, Part, PartUse, around};
 use crate::{ClassedMesh, MaterialClass};
 
 /// A foot is so far above the lowest of all at most, as a share of the height of all.
@@ -42,12 +42,16 @@ pub(super) fn doubt(plant: &ClassedMesh, extents: &Extents) -> Option<Doubt> {
             }
         }
     }
-    let wholes = by_name.into_iter().filter_map(|(name, parts)| whole(plant, extents, name, parts));
-    let mut wholes: Vec<Whole> = wholes.take(COMPARED).collect();
+    // A name may be that of several nodes' mesh.
+    let labels: Vec<String> = plant.mesh.parts.iter().map(Part::label).collect();
+    let single = labels.iter().enumerate().map(|(number, label)| (label.as_str(), vec![number]));
+    let all = single.chain(by_name);
+    let mut wholes: Vec<Whole> =
+        all.filter_map(|(name, parts)| whole(plant, extents, name, parts)).take(COMPARED).collect();
     // In the file's order. Of a node and its mesh, the node's name is enough.
     let place = |whole: &Whole| {
         let names = &plant.mesh.parts[whole.parts[0]].names;
-        (whole.parts[0], names.iter().position(|name| name == whole.name))
+        (whole.parts[0], whole.parts.len(), names.iter().position(|name| name == whole.name))
     };
     wholes.sort_by_key(place);
     wholes.dedup_by(|b, a| a.parts == b.parts);

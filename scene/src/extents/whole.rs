@@ -30,6 +30,8 @@ const MIN_HEIGHT: f64 = 0.5;
 const MAX_FOOT: f64 = 0.1;
 /// ..and have their middles so many widths apart. Stems of one shrub stand nearer to each other.
 const BESIDE: f64 = 0.6;
+/// Feet of stems of one shrub are nearer to each other than this share of the distance of their crowns.
+const NEAR_FEET: f64 = 0.5;
 /// Names that a doubt lists.
 const LISTED: usize = 8;
 /// Parts that are compared with each other.
@@ -265,22 +267,44 @@ fn beside(plant: &ClassedMesh, extents: &Extents) -> Option<Doubt> {
         let is_high = bounds.max[1] - bounds.min[1] >= MIN_HEIGHT * height;
         (is_high && bounds.min[1] - bottom <= MAX_FOOT * height).then_some(bounds)
     };
-    let mut stands: Vec<(Bounds, String)> = Vec::new();
+    let mut stands: Vec<(Bounds, &Part)> = Vec::new();
     for part in plant.mesh.parts.iter().take(COMPARED) {
         let Some(bounds) = box_of(part) else { continue };
-        if stands.iter().all(|(other, _)| plan_apart(&bounds, other) >= BESIDE) {
-            stands.push((bounds, part.label()));
+        let is_beside = |(other, of): &(Bounds, &Part)| {
+            plan_apart(&bounds, other) >= BESIDE && !are_stems(plant, (&bounds, part), (other, of))
+        };
+        if stands.iter().all(is_beside) {
+            stands.push((bounds, part));
         }
     }
-    let names = stands.into_iter().take(LISTED).map(|(_, name)| name).collect::<Vec<_>>();
+    let names = stands.into_iter().take(LISTED).map(|(_, part)| part.label()).collect::<Vec<_>>();
     (names.len() > 1).then_some(Doubt::Apart { stands: names })
+}
+
+/// Whether two parts are stems of one shrub: their feet are much nearer to each other than their crowns.
+fn are_stems(plant: &ClassedMesh, a: (&Bounds, &Part), b: (&Bounds, &Part)) -> bool {
+    let (Some(foot), Some(other)) = (foot_of(plant, a.1), foot_of(plant, b.1)) else { return false };
+    over_ground(foot, other) < NEAR_FEET * over_ground(middle(a.0), middle(b.0))
+}
+
+/// The middle of the foot of a part's wood.
+fn foot_of(plant: &ClassedMesh, part: &Part) -> Option<[f64; 3]> {
+    let wood = part.uses.iter().filter(|used| plant.classes[used.material as usize] == MaterialClass::Wood);
+    wood.min_by(|a, b| a.bounds_m.min[1].total_cmp(&b.bounds_m.min[1])).map(|used| used.foot.middle_m)
+}
+
+fn middle(bounds: &Bounds) -> [f64; 3] {
+    std::array::from_fn(|axis| bounds.min[axis].midpoint(bounds.max[axis]))
+}
+
+fn over_ground(a: [f64; 3], b: [f64; 3]) -> f64 {
+    libm::hypot(a[0] - b[0], a[2] - b[2])
 }
 
 /// Distance of the middles of two boxes over the ground, in widths of the smaller one.
 fn plan_apart(a: &Bounds, b: &Bounds) -> f64 {
     let width = |bounds: &Bounds| (bounds.max[0] - bounds.min[0]).max(bounds.max[2] - bounds.min[2]);
-    let off = |axis: usize| 0.5 * (a.min[axis] + a.max[axis] - b.min[axis] - b.max[axis]);
-    libm::hypot(off(0), off(2)) / width(a).min(width(b)).max(f64::MIN_POSITIVE)
+    over_ground(middle(a), middle(b)) / width(a).min(width(b)).max(f64::MIN_POSITIVE)
 }
 
 /// Whether a part has leaves and wood.

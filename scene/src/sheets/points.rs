@@ -1,5 +1,7 @@
 //! Corners of leaves at one position have one number, and what shares such numbers is one blade.
 
+use std::collections::HashMap;
+
 use super::union::Union;
 use crate::Mesh;
 
@@ -16,6 +18,21 @@ pub(crate) fn blades(mesh: &Mesh, leaves: &[u32]) -> Vec<u32> {
         union.join(b, c);
     }
     points.iter().map(|corners| union.root(corners[0])).collect()
+}
+
+/// Numbers the pieces of triangles: those that hold together by edges are of one. Returns a number for each of
+/// `triangles`, below their count.
+pub(crate) fn pieces(mesh: &Mesh, triangles: &[u32]) -> Vec<u32> {
+    let (points, _) = points(mesh, triangles);
+    let mut union = Union::new(triangles.len());
+    let mut first: HashMap<[u32; 2], u32> = HashMap::with_capacity(2 * triangles.len());
+    for (at, &[a, b, c]) in (0u32..).zip(&points) {
+        for [from, to] in [[a, b], [b, c], [c, a]] {
+            let other = *first.entry([from.min(to), from.max(to)]).or_insert(at);
+            union.join(at, other);
+        }
+    }
+    (0..triangles.len() as u32).map(|at| union.root(at)).collect()
 }
 
 /// Returns per leaf the numbers of its corners, and how many numbers there are. Corners at one position have one

@@ -40,6 +40,64 @@ fn a_card_of_the_whole_plant_among_its_leaves_is_a_doubt() {
     assert!(!names(&plant(&wood, &card(), |point| point)).contains(&"card"));
 }
 
+/// A grid of `cells` by `cells` over u and v from 0 to 1, two triangles a cell.
+fn sheet(cells: u32, point: impl Fn(f64, f64) -> Point) -> Vec<foot::Triangle> {
+    let at = |i: u32, j: u32| point(f64::from(i) / f64::from(cells), f64::from(j) / f64::from(cells));
+    let cells = (0..cells).flat_map(|j| (0..cells).map(move |i| (i, j)));
+    cells
+        .flat_map(|(i, j)| {
+            let [a, b, c, d] = [at(i, j), at(i + 1, j), at(i + 1, j + 1), at(i, j + 1)];
+            [[a, b, c], [a, c, d]]
+        })
+        .collect()
+}
+
+#[test]
+fn ground_that_is_finely_cut_and_hulls_that_are_open_below_are_doubts() {
+    let ground = sheet(6, |u, v| [10.0 * u - 5.0, 0.02 * libm::sin(9.0 * u).abs(), 10.0 * v - 5.0]);
+    assert_eq!(names(&with_cards(&ground)), ["card"]);
+    let dome = sheet(8, |u, v| {
+        let (turn, rise) = (std::f64::consts::TAU * u, 1.5 * v);
+        let (wide, up) = (4.0 * libm::cos(rise), 4.0 * libm::sin(rise));
+        [wide * libm::cos(turn), 5.0 + up, wide * libm::sin(turn)]
+    });
+    let found = all_found(&with_cards(&dome), Up::Y);
+    assert!(found.iter().any(|doubt| doubt.name() == "hull"), "{found:?}");
+    // A rosette, whose leaves begin in one point.
+    let rosette = (0..24).flat_map(|at| {
+        let (sin, cos) = (libm::sin(0.27 * f64::from(at)), libm::cos(0.27 * f64::from(at)));
+        let out =
+            |far: f64, aside: f64, up: f64| [far * cos - aside * sin, 5.0 + up, far * sin + aside * cos];
+        let tip = out(4.5, 0.0, 2.0 + f64::from(at % 3));
+        [[[0.0, 5.0, 0.0], out(2.0, 0.4, 1.5), tip], [[0.0, 5.0, 0.0], tip, out(2.0, -0.4, 1.5)]]
+    });
+    let found = names(&with_cards(&rosette.collect::<Vec<_>>()));
+    assert!(!found.contains(&"hull"), "{found:?}");
+    // One large leaf of a herb, a bowl: not as wide as the plant.
+    let bowl = sheet(8, |u, v| [2.0 * u, 6.0 + (u - 0.5) * (u - 0.5) + (v - 0.5) * (v - 0.5), 2.0 * v]);
+    assert_eq!(names(&with_cards(&bowl)), [""; 0]);
+}
+
+#[test]
+fn leaves_that_show_the_flat_border_of_their_image_are_a_doubt() {
+    let leaf = 0;
+    let found = |background: u8, shown: f32| {
+        let mut tree = with_alpha(leaf, AlphaMode::Opaque, shown, |_| 255);
+        let image = &mut tree.mesh.images[0];
+        image.has_cut = false;
+        for at in 0..64 * 64 {
+            let (x, y) = (at % 64, at / 64);
+            let is_leaf = (8..56).contains(&x) && (8..56).contains(&y);
+            let color = if is_leaf { [80, 160, 40] } else { [background; 3] };
+            image.rgba[4 * at..4 * at + 3].copy_from_slice(&color);
+        }
+        names(&tree)
+    };
+    assert_eq!(found(255, 1.0), ["background"]);
+    assert_eq!(found(0, 1.0), ["background"]);
+    assert_eq!(found(120, 1.0), [""; 0], "a photograph on grey");
+}
+
 #[test]
 fn a_trunk_that_wears_the_leaves_material_alone_is_a_doubt() {
     let [wood, leaves] = tree();
@@ -83,6 +141,16 @@ fn plants_whose_crowns_meet_are_a_doubt_and_stems_of_a_shrub_are_not() {
     let [Doubt::Apart { stands }] = &doubts[..] else { panic!("{doubts:?}") };
     assert_eq!(stands, &["Tree_01", "Tree_02"]);
     assert!(!found(2.0).iter().any(|doubt| doubt.name() == "apart"));
+    // Stems that begin at one foot and lean far apart.
+    let stems = trees(&[("stem.1", 1.0, [0.5, 0.0, 0.0]), ("stem.2", 1.0, [-0.5, 0.0, 0.0])]);
+    let mut whole = stems.clone();
+    whole.mesh.parts = [0, 2]
+        .map(|first| {
+            let [wood, leaves] = [first, first + 1].map(|at| stems.mesh.parts[at].clone());
+            Part { uses: [wood.uses, leaves.uses].concat(), ..wood }
+        })
+        .to_vec();
+    assert!(!names(&whole).contains(&"apart"), "{:?}", names(&whole));
 }
 
 /// Trees on one spot: a node each, with a mesh of wood and one of leaves below it.
@@ -125,6 +193,18 @@ fn plants_on_one_spot_are_a_doubt_and_stems_that_lean_apart_are_not() {
     assert!(matches!(&young[..], [Doubt::OneSpot { names }] if names == &["young", "old"]), "{young:?}");
     let three = spots(&[("a", 0.9, lean), ("b", 1.0, upright), ("c", 0.8, [0.05, 0.0, 0.0])]);
     assert!(matches!(&three[..], [Doubt::OneSpot { names }] if names.len() == 3), "{three:?}");
+    // A mesh that two nodes have, turned.
+    let mut turned = trees(&[("Oak", 1.0, upright), ("Oak.001", 1.0, lean)]);
+    turned.mesh.parts = [("Oak", 0), ("Oak.001", 2)]
+        .map(|(name, first)| {
+            let [wood, leaves] = [first, first + 1].map(|at| turned.mesh.parts[at].clone());
+            let names = [name, "Oak"].map(str::to_owned).to_vec();
+            Part { names, node: None, uses: [wood.uses, leaves.uses].concat() }
+        })
+        .to_vec();
+    let found = all_found(&turned, Up::Y);
+    let is_told = |doubt: &Doubt| matches!(doubt, Doubt::OneSpot { names } if names == &["Oak", "Oak.001"]);
+    assert!(found.iter().any(is_told), "{found:?}");
     // Stems of one stool, each to its side.
     assert_eq!(spots(&[("stem.1", 1.0, [0.4, 0.0, 0.0]), ("stem.2", 0.9, [-0.3, 0.0, 0.3])]), []);
 }

@@ -82,10 +82,10 @@ impl Text {
                 let what = format!("bytes of line {number} of {}", name_of(&self.path));
                 files.limit(what, self.line.len() as u64, limits::LINE_BYTES)?;
             }
-            match self.line.last_mut() {
-                Some(last) if *last == b'\\' => *last = b' ',
-                _ => break,
+            if !self.is_continued()? {
+                break;
             }
+            *self.line.last_mut().expect("a backslash") = b' ';
         }
         let Some(number) = first else { return Ok(None) };
         if number == 1 {
@@ -105,6 +105,20 @@ impl Text {
             false => words::latin(&self.line).into(),
         };
         Ok(Some((number, line)))
+    }
+
+    /// Whether a backslash joins the next line. Behind a byte that is no ASCII, in a file that is no UTF-8, it is the
+    /// second byte of a character: Shift JIS has such (of a table, of an ability).
+    fn is_continued(&mut self) -> Result<bool, ImportError> {
+        let is_character = match self.line.as_slice() {
+            [.., before, b'\\'] => !before.is_ascii(),
+            [b'\\'] => false,
+            _ => return Ok(false),
+        };
+        if is_character && self.is_utf8.is_none() {
+            self.is_utf8 = Some(self.is_all_utf8()?);
+        }
+        Ok(!is_character || self.is_utf8 == Some(true))
     }
 
     /// Digest and length, once all is read.

@@ -266,3 +266,15 @@ fn a_second_material_file_is_found_beside_the_first() {
     let mesh = read(&[("a.obj", obj.as_bytes()), ("mats/a.mtl", b""), ("mats/b.mtl", mtl.as_bytes())]);
     assert_eq!(colors(&mesh.expect("it is sound")), [[0.5, 0.0, 0.0]]);
 }
+
+#[test]
+fn the_second_byte_of_a_character_of_shift_jis_joins_no_line() {
+    // A name of one character, 0x95 0x5C, whose second byte is a backslash; then a face.
+    let mut obj = b"v 0 0 0\nv 1 0 0\nv 0 1 0\nusemtl ".to_vec();
+    obj.extend([0x95, b'\\', b'\n']);
+    obj.extend(b"f 1 2 3\nf 3 \\\n2 1\n");
+    let mesh = read(&[("a.obj", &obj)]).unwrap();
+    assert_eq!(mesh.materials.len(), 1, "{:?}", mesh.materials);
+    assert!(mesh.materials[0].name.chars().count() == 2, "{:?}", mesh.materials[0].name);
+    assert!(mesh.warnings.iter().any(|warning| warning.contains("1 of 2 triangles that lie exactly")));
+}
