@@ -42,7 +42,7 @@ use crate::{ClassedMesh, ImportSettings, MaterialClass, PlantReader};
 pub const USUAL_M: [f64; 2] = [0.05, 100.0];
 
 /// Longest edges, metres, that are not doubted where the unit is stated: from a seedling to the tallest tree.
-const STATED_M: std::ops::Range<f64> = 0.01..130.0;
+const STATED_M: std::ops::Range<f64> = 0.03..130.0;
 
 /// Wood is expected to begin below this share of the plant's height: leaves may hang lower than the trunk stands.
 const LOWEST_WOOD: f64 = 1.0 / 3.0;
