@@ -90,19 +90,28 @@ impl Flat {
 struct Blades {
     /// `[leaf]`: its blade.
     numbers: Vec<u32>,
-    /// The leaves of each blade that is looked at, and its points among all.
-    of_number: HashMap<u32, (Vec<u32>, Range<usize>)>,
+    of_number: HashMap<u32, Blade>,
+}
+
+/// A blade that is looked at.
+#[derive(Default)]
+struct Blade {
+    leaves: Vec<u32>,
+    /// How far a second sheet may lie from it; known once it was looked at.
+    reach_m: Option<f64>,
+    /// Its points among all.
+    points: Range<usize>,
 }
 
 impl Blades {
     /// The blades of some leaves, by their places among all.
     fn of(mesh: &Mesh, leaves: &[u32], some: impl Iterator<Item = usize>) -> Blades {
         let numbers = blades(mesh, leaves);
-        let mut of_number: HashMap<u32, (Vec<u32>, Range<usize>)> =
-            some.map(|place| (numbers[place], (Vec::new(), 0..0))).collect();
+        let mut of_number: HashMap<u32, Blade> =
+            some.map(|place| (numbers[place], Blade::default())).collect();
         for (&leaf, number) in leaves.iter().zip(&numbers) {
-            if let Some((of_blade, _)) = of_number.get_mut(number) {
-                of_blade.push(leaf);
+            if let Some(blade) = of_number.get_mut(number) {
+                blade.leaves.push(leaf);
             }
         }
         Blades { numbers, of_number }
@@ -111,25 +120,26 @@ impl Blades {
     /// Looks at the blade of a leaf, unless that was done or its triangle tells as much.
     fn look_at(&mut self, mesh: &Mesh, place: usize, flat: &Flat, probes: &mut Vec<Probe>) {
         let number = self.numbers[place];
-        let (of_blade, points) = self.of_number.get_mut(&number).expect("the blades of these leaves");
-        let reach_m = reach_of_blade(mesh, of_blade).min(MAX_BLADE * flat.reach_m);
-        if points.end > 0 || reach_m < WORTH * flat.reach_m {
+        let blade = self.of_number.get_mut(&number).expect("the blades of these leaves");
+        let of_blade = *blade.reach_m.get_or_insert_with(|| reach_of_blade(mesh, &blade.leaves));
+        let reach_m = of_blade.min(MAX_BLADE * flat.reach_m);
+        if blade.points.end > 0 || reach_m < WORTH * flat.reach_m {
             return;
         }
         let first = probes.len();
-        let wanted = of_blade.len().min(OF_BLADE);
+        let wanted = blade.leaves.len().min(OF_BLADE);
         for at in 0..wanted {
-            let flat = Flat::of(mesh, of_blade[at * of_blade.len() / wanted]);
+            let flat = Flat::of(mesh, blade.leaves[at * blade.leaves.len() / wanted]);
             let of_triangle =
                 flat.map(|flat| Probe::of(mesh, Flat { reach_m, ..flat }, Some(number), &MIDDLE));
             probes.extend(of_triangle.into_iter().flatten());
         }
-        *points = first..probes.len();
+        blade.points = first..probes.len();
     }
 
     /// The points of a leaf's blade; none where it was not looked at.
     fn points(&self, place: usize) -> Range<usize> {
-        self.of_number.get(&self.numbers[place]).map_or(0..0, |(_, points)| points.clone())
+        self.of_number.get(&self.numbers[place]).map_or(0..0, |blade| blade.points.clone())
     }
 }
 
