@@ -13,6 +13,7 @@ mod doubt;
 mod enclosed;
 mod foot;
 mod hull;
+mod leaves;
 mod mend;
 mod names;
 mod painted;
@@ -112,10 +113,12 @@ pub fn doubts(plant: &ClassedMesh, read_as: &ImportSettings) -> Vec<Doubt> {
     let on_one_spot = spot::doubt(plant, &extents).filter(|_| !are_told);
     // Of a plant that is there twice each leaf is.
     let is_single = !are_told && on_one_spot.is_none();
-    let second_sheets = is_single.then(|| seconds::doubt(plant, extents.longest_m())).flatten();
+    let leaves = leaves::Leaves::of(plant);
+    let second_sheets = is_single.then(|| seconds::doubt(plant, &leaves, extents.longest_m())).flatten();
     let of_shape = shape::doubt(plant, &extents).filter(|_| !are_several);
     let of_shells = doubt_of_shells(plant);
-    let of_hull = hull::doubt(plant, &extents).filter(|_| of_shells.is_none() && !has_card(&of_parts));
+    let of_hull =
+        hull::doubt(plant, &leaves, &extents).filter(|_| of_shells.is_none() && !has_card(&of_parts));
     of_size
         .into_iter()
         .chain(of_shape)

@@ -90,7 +90,8 @@ pub fn import(path: &Path, settings: &ImportSettings) -> Result<Mesh, ImportErro
     }
     let choice = Choice::compile(&settings.nodes)?;
     let split_by = SplitPatterns::compile(&settings.split)?;
-    let frame = FileFrame { up: settings.up.unwrap_or(Up::Y), unit_m };
+    let is_unit_stated = settings.unit_m.is_some();
+    let frame = FileFrame { up: settings.up.unwrap_or(Up::Y), unit_m, is_unit_stated };
     let mut files = Files::beside(path);
     let mut soup = Soup::new(settings.ignore_vertex_colors);
     let surfaces = match format_of(path)? {

@@ -33,9 +33,38 @@ pub fn metres_in(word: &str) -> f64 {
     UNITS.iter().find(|(name, _)| *name == word).map_or(1.0, |(_, unit_m)| *unit_m)
 }
 
+/// Words of exporters for the units of [`UNITS`], in their order.
+const LONG_WORDS: [&[&str]; 5] = [
+    &["m", "meter", "meters", "metre", "metres"],
+    &["cm", "centimeter", "centimeters", "centimetre", "centimetres"],
+    &["mm", "millimeter", "millimeters", "millimetre", "millimetres"],
+    &["inch", "inches"],
+    &["ft", "foot", "feet"],
+];
+
+/// The unit that a comment tells, such as "# Units: centimeters": the first word for one behind "unit" or "units".
+pub(crate) fn unit_in_comment(comment: &str) -> Option<&'static str> {
+    let lower = comment.to_ascii_lowercase();
+    let words = lower.split(|c: char| !c.is_ascii_alphanumeric()).filter(|word| !word.is_empty());
+    let of_unit = |word: &str| LONG_WORDS.iter().position(|words| words.contains(&word));
+    let at = words.skip_while(|word| !["unit", "units"].contains(word)).skip(1).take(4).find_map(of_unit)?;
+    Some(UNITS[at].0)
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn comments_of_exporters_tell_a_unit() {
+        let found =
+            ["# Units: centimeters", "#File units = inches", "# unit mm", "# model units are in feet"];
+        assert_eq!(found.map(unit_in_comment), ["cm", "in", "mm", "ft"].map(Some));
+        assert_eq!(unit_in_comment("# Units: meters"), Some("m"));
+        for none in ["# made by hand", "# 12 units high", "# cm", "# United 3 cm", ""] {
+            assert_eq!(unit_in_comment(none), None, "{none}");
+        }
+    }
 
     #[test]
     fn a_unit_is_a_word_or_a_number_of_metres() {

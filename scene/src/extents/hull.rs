@@ -1,13 +1,12 @@
 //! Whether few large sheets are much of a plant's leaf area: ground below it, however finely it is cut, or a hull of
 //! the crown that is open below.
 
-use std::collections::BTreeMap;
-
 use glam::DVec3;
 
+use super::leaves::Leaves;
 use super::{Doubt, Extents};
-use crate::sheets::{blades, pieces};
-use crate::{ClassedMesh, MaterialClass, Mesh};
+use crate::sheets::pieces;
+use crate::{ClassedMesh, Mesh};
 
 /// A sheet of ground spans this share of the plant's width and depth..
 const SPAN: f64 = 0.7;
@@ -51,12 +50,14 @@ impl<'m> Sheet<'m> {
 
     /// The largest by area of those that have one number each; of two as large, the one with the lower number.
     fn largest(mesh: &'m Mesh, triangles: &[u32], numbers: &[u32]) -> Option<Sheet<'m>> {
-        let mut areas: BTreeMap<u32, f64> = BTreeMap::new();
+        let count = numbers.iter().max().map_or(0, |most| *most as usize + 1);
+        let mut areas_m2 = vec![0.0; count];
         for (&triangle, &number) in triangles.iter().zip(numbers) {
-            *areas.entry(number).or_default() += normal_m2(mesh, triangle).length();
+            areas_m2[number as usize] += normal_m2(mesh, triangle).length();
         }
-        let (largest, _) =
-            areas.into_iter().max_by(|(a, of_a), (b, of_b)| of_a.total_cmp(of_b).then_with(|| b.cmp(a)))?;
+        let (largest, _) = (0u32..)
+            .zip(&areas_m2)
+            .max_by(|(a, of_a): &(u32, &f64), (b, of_b)| of_a.total_cmp(of_b).then_with(|| b.cmp(a)))?;
         let of_it = triangles.iter().zip(numbers).filter(|(_, number)| **number == largest);
         Some(Sheet::of(mesh, of_it.map(|(triangle, _)| *triangle).collect()))
     }
@@ -124,13 +125,10 @@ fn normal_m2(mesh: &Mesh, triangle: u32) -> DVec3 {
 }
 
 /// The doubt, if there is such a sheet.
-pub(super) fn doubt(plant: &ClassedMesh, extents: &Extents) -> Option<Doubt> {
+pub(super) fn doubt(plant: &ClassedMesh, of_plant: &Leaves, extents: &Extents) -> Option<Doubt> {
     let mesh = &plant.mesh;
-    let is_leaf = |&triangle: &u32| {
-        plant.classes[mesh.triangle_material[triangle as usize] as usize] == MaterialClass::Leaf
-    };
-    let leaves = Sheet::of(mesh, (0..mesh.triangles.len() as u32).filter(is_leaf).collect());
-    let sheet = Sheet::largest(mesh, &leaves.triangles, &blades(mesh, &leaves.triangles))?;
+    let sheet = Sheet::largest(mesh, &of_plant.triangles, &of_plant.blades)?;
+    let leaves = Sheet::of(mesh, of_plant.triangles.clone());
     let share = |sheet: &Sheet| sheet.area_m2 / leaves.area_m2;
     if (OF_LEAVES[0]..OF_LEAVES[1]).contains(&share(&sheet)) && sheet.is_ground(extents) {
         let materials = vec![sheet.material()];

@@ -18,9 +18,9 @@ use std::ops::Range;
 use glam::DVec3;
 
 use super::Doubt;
+use super::leaves::Leaves;
 use crate::alpha::Coverage;
 use crate::mesh::sides::Side;
-use crate::sheets::blades;
 use crate::{ClassedMesh, MaterialClass, Mesh};
 use gaps::{Among, Gaps, Probe};
 
@@ -87,9 +87,9 @@ impl Flat {
 }
 
 /// Blades that are looked at.
-struct Blades {
+struct Blades<'l> {
     /// `[leaf]`: its blade.
-    numbers: Vec<u32>,
+    numbers: &'l [u32],
     of_number: HashMap<u32, Blade>,
 }
 
@@ -103,13 +103,13 @@ struct Blade {
     points: Range<usize>,
 }
 
-impl Blades {
+impl<'l> Blades<'l> {
     /// The blades of some leaves, by their places among all.
-    fn of(mesh: &Mesh, leaves: &[u32], some: impl Iterator<Item = usize>) -> Blades {
-        let numbers = blades(mesh, leaves);
+    fn of(leaves: &'l Leaves, some: impl Iterator<Item = usize>) -> Blades<'l> {
+        let numbers = &leaves.blades;
         let mut of_number: HashMap<u32, Blade> =
             some.map(|place| (numbers[place], Blade::default())).collect();
-        for (&leaf, number) in leaves.iter().zip(&numbers) {
+        for (&leaf, number) in leaves.triangles.iter().zip(numbers) {
             if let Some(blade) = of_number.get_mut(number) {
                 blade.leaves.push(leaf);
             }
@@ -155,12 +155,9 @@ fn reach_of_blade(mesh: &Mesh, leaves: &[u32]) -> f64 {
 }
 
 /// Doubts a plant of whose leaves a good part has a second sheet.
-pub(super) fn doubt(plant: &ClassedMesh, longest_m: f64) -> Option<Doubt> {
+pub(super) fn doubt(plant: &ClassedMesh, of_plant: &Leaves, longest_m: f64) -> Option<Doubt> {
     let mesh = &plant.mesh;
-    let is_leaf = |&triangle: &u32| {
-        plant.classes[mesh.triangle_material[triangle as usize] as usize] == MaterialClass::Leaf
-    };
-    let leaves: Vec<u32> = (0..mesh.triangles.len() as u32).filter(is_leaf).collect();
+    let leaves = &of_plant.triangles;
     // What is one side of a leaf has its other side.
     let is_whole = |place: &usize| mesh.sheets.side(leaves[*place] as usize) == Side::Both;
     let wholes: Vec<usize> = (0..leaves.len()).filter(is_whole).collect();
@@ -182,10 +179,10 @@ pub(super) fn doubt(plant: &ClassedMesh, longest_m: f64) -> Option<Doubt> {
         flats.iter().flat_map(|(_, flat)| Probe::of(mesh, *flat, None, &POINTS)).collect();
     let step = flats.len().div_ceil(BLADES);
     let some = || flats.iter().step_by(step);
-    let mut blades = Blades::of(mesh, &leaves, some().map(|(place, _)| *place));
+    let mut blades = Blades::of(of_plant, some().map(|(place, _)| *place));
     some().for_each(|(place, flat)| blades.look_at(mesh, *place, flat, &mut probes));
     let rounding_m = ROUNDING * longest_m;
-    let among = Among { mesh, leaves: &leaves, blades: &blades.numbers, size_m, longest_m, rounding_m };
+    let among = Among { mesh, leaves, blades: blades.numbers, size_m, longest_m, rounding_m };
     let gaps = among.gaps(&probes, None);
     let points = |at: usize| at * POINTS.len()..(at + 1) * POINTS.len();
     let by_triangle = |at: usize| Some((1.0, common_gap(&gaps[points(at)], 1.0)?));

@@ -35,6 +35,8 @@ pub(super) struct FileFrame {
     pub up: Up,
     /// Metres per unit of the file.
     pub unit_m: f64,
+    /// Whether the unit was stated, and is not the default.
+    pub is_unit_stated: bool,
 }
 
 impl FileFrame {

@@ -52,9 +52,13 @@ fn plant(leaf: Sheet, one_of: usize, second: &[Sheet]) -> ClassedMesh {
     ClassedMesh::of(mesh, vec![MaterialClass::Leaf; 2])
 }
 
+fn doubt_of(plant: &ClassedMesh, longest_m: f64) -> Option<Doubt> {
+    doubt(plant, &Leaves::of(plant), longest_m)
+}
+
 /// Area with a second sheet, area of leaf, gap; zeros without a doubt.
 fn found(plant: &ClassedMesh) -> [f64; 3] {
-    match doubt(plant, 2.0) {
+    match doubt_of(plant, 2.0) {
         Some(Doubt::SecondSheets { sheets_m2, leaf_m2, gap_m }) => [sheets_m2, leaf_m2, gap_m],
         None => [0.0; 3],
         other => panic!("{other:?}"),
@@ -81,7 +85,7 @@ fn second_sheets_of_one_outline_are_a_doubt_with_their_area() {
     for size in [0.95, 1.04] {
         assert!(with(Sheet { gap_m: 0.001, size, ..LEAF })[0] > 1.0, "{size}");
     }
-    let doubt = doubt(&plant(LEAF, 1, &[Sheet { gap_m: 0.002, ..LEAF }]), 2.0);
+    let doubt = doubt_of(&plant(LEAF, 1, &[Sheet { gap_m: 0.002, ..LEAF }]), 2.0);
     let text = doubt.map(|doubt| doubt.to_string()).unwrap_or_default();
     assert!(text.contains("of 6 m2 of leaf have a second sheet 0.002 m"), "{text}");
 }
@@ -103,7 +107,7 @@ fn second_sheets_of_leaves_that_are_finely_cut_are_a_doubt() {
 fn sheets_that_cover_a_part_of_each_other_are_a_doubt() {
     // One in the other's plane, one beside it; and two leaves that only touch.
     assert_near(with(Sheet { size: 0.7, ..LEAF }), [2.94, 4.47, 0.0], 0.2);
-    let doubt = doubt(&plant(LEAF, 1, &[Sheet { size: 0.7, ..LEAF }]), 2.0).map(|doubt| doubt.to_string());
+    let doubt = doubt_of(&plant(LEAF, 1, &[Sheet { size: 0.7, ..LEAF }]), 2.0).map(|doubt| doubt.to_string());
     assert!(
         doubt.as_ref().is_some_and(|text| text.contains("m2 of leaf have a second sheet on them")),
         "{doubt:?}"
@@ -132,7 +136,7 @@ fn leaves_beside_leaves_and_those_of_one_sheet_or_of_two_that_were_found_are_no_
         let path = folder.path().join("plant.glb");
         std::fs::write(&path, grow(kind, 7, 20_000).expect("a kind").to_glb()).expect("written");
         let (plant, _) = PlantReader::default().read(&path).expect("a plant");
-        assert_eq!(doubt(&plant, 10.0), None, "{kind:?}");
+        assert_eq!(doubt_of(&plant, 10.0), None, "{kind:?}");
     }
 }
 

@@ -14,6 +14,7 @@ use crate::import::limits;
 use crate::import::points::{Points, Stored};
 use crate::import::soup::{FileFrame, Soup, Vertex};
 use crate::mesh::Part;
+use crate::unit::unit_in_comment;
 
 /// What an OBJ says besides its triangles.
 #[derive(Default)]
@@ -63,6 +64,8 @@ struct Reader<'a> {
     part_numbers: HashMap<[String; 2], (u32, bool)>,
     material: Option<u32>,
     by_name: HashMap<String, u32>,
+    /// Unit that a comment tells.
+    unit: Option<&'static str>,
     /// Statements that are not read: how often, and why not.
     unread: BTreeMap<String, (u64, &'static str)>,
 }
@@ -95,6 +98,7 @@ pub(super) fn read(
         part_numbers: HashMap::new(),
         material: None,
         by_name: HashMap::new(),
+        unit: None,
         unread: BTreeMap::new(),
     };
     files.read_lines(path, limits::OBJ_BYTES, &mut |files, number, line| reader.line(files, number, line))?;
@@ -113,6 +117,12 @@ pub(super) fn read(
     choice.check(&files.file, labels(&reader.parsed.parts))?;
     if !colors.is_empty() {
         vertex_colors::to_light(files, reader.soup);
+    }
+    if let Some(unit) = reader.unit.filter(|unit| *unit != "m" && !frame.is_unit_stated) {
+        files.warn(format!(
+            "a comment tells the unit {unit}, and comments are not read: numbers are taken for metres; --unit {unit} \
+             takes them for {unit}"
+        ));
     }
     for (keyword, (count, why)) in reader.unread {
         let times = if count == 1 { String::new() } else { format!(" ({count} times)") };
@@ -200,7 +210,10 @@ impl Reader<'_> {
                 }
             }
             Some("#MRGB") => self.leave_out("#MRGB", "colours of vertices are those after x y z of `v`"),
-            Some(keyword) if !keyword.starts_with('#') => {
+            Some(comment) if comment.starts_with('#') => {
+                self.unit = self.unit.or_else(|| unit_in_comment(line))
+            }
+            Some(keyword) => {
                 if let Some(why) = known::unread(known::OBJ, keyword, "") {
                     self.leave_out(keyword, why);
                 }

@@ -48,6 +48,17 @@ fn odd_white_space_order_marks_comments_and_continued_lines_are_read() {
 }
 
 #[test]
+fn a_unit_that_a_comment_tells_is_told_unless_one_is_stated() {
+    let text = format!("# Exporter 2.1\n# File units = centimeters\n{TRIANGLE}f 1 2 3\n");
+    let warnings = read_text(&text).unwrap().warnings;
+    assert!(
+        warnings.iter().any(|warning| warning.contains("tells the unit cm") && warning.contains("--unit cm"))
+    );
+    let metres = text.replace("centimeters", "meters");
+    assert!(!read_text(&metres).unwrap().warnings.iter().any(|warning| warning.contains("unit")));
+}
+
+#[test]
 fn negative_indices_count_back_from_the_face() {
     let mesh = read_text(&format!("{TRIANGLE}f -3 -2 -1\nv 0 0 5\nf -1 -3 -2\n")).unwrap();
     assert_eq!(mesh.triangles.len(), 2);
