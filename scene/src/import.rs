@@ -5,6 +5,7 @@ mod blend;
 mod choice;
 pub mod error;
 mod files;
+mod first_bytes;
 mod gltf;
 mod images;
 pub mod known;
@@ -199,16 +200,18 @@ fn limit_cutting(files: &Files, surfaces: &gltf::Surfaces) -> Result<(), ImportE
 /// By the file's first bytes, then by its extension.
 fn format_of(path: &Path) -> Result<Format, ImportError> {
     let mut start = Vec::new();
-    let read = open_regular(path)?.take(4).read_to_end(&mut start);
+    let read = open_regular(path)?.take(first_bytes::LENGTH as u64).read_to_end(&mut start);
     read.map_err(|source| ImportError::Io { path: path.to_owned(), source })?;
     let extension = path.extension().unwrap_or_default().to_string_lossy().to_lowercase();
+    let unknown = |found: String| ImportError::UnknownFormat { file: name_of(path), found };
+    if let Some(kind) = first_bytes::kind_of(&start) {
+        return Err(unknown(kind.to_owned()));
+    }
+    start.truncate(4);
     match extension.as_str() {
         _ if gltf::is_glb(&start) => Ok(Format::Gltf),
         "gltf" => Ok(Format::Gltf),
         "obj" => Ok(Format::Obj),
-        _ => Err(ImportError::UnknownFormat {
-            file: name_of(path),
-            found: format!("extension '{extension}' and first bytes {start:02x?}"),
-        }),
+        _ => Err(unknown(format!("extension '{extension}' and first bytes {start:02x?}"))),
     }
 }

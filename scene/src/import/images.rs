@@ -11,6 +11,7 @@ use image::{ColorType, ImageDecoder, ImageFormat, ImageReader, Limits};
 
 use super::error::ImportError;
 use super::files::{Files, Found};
+use super::first_bytes::kind_of;
 use super::limits;
 use super::png::leave_out_metadata;
 use crate::mesh::{Image, Material};
@@ -271,6 +272,9 @@ fn foreign_kind(bytes: &[u8]) -> String {
     match known.iter().find(|(magic, _)| bytes.starts_with(magic)) {
         Some((_, name)) => (*name).to_owned(),
         None if bytes.is_empty() => "empty".to_owned(),
-        None => format!("of an unknown kind (first bytes {:02x?})", &bytes[..bytes.len().min(4)]),
+        None => kind_of(bytes).map_or_else(
+            || format!("of an unknown kind (first bytes {:02x?})", &bytes[..bytes.len().min(4)]),
+            str::to_owned,
+        ),
     }
 }
