@@ -42,7 +42,7 @@ const LONG_WORDS: [&[&str]; 5] = [
     &["ft", "foot", "feet"],
 ];
 
-/// The unit that a comment tells, such as "# Units: centimeters": the first word for one behind "unit" or "units".
+/// The unit that a comment tells, such as "# Units: inches": the first word for one behind "unit" or "units".
 pub(crate) fn unit_in_comment(comment: &str) -> Option<&'static str> {
     let lower = comment.to_ascii_lowercase();
     let words = lower.split(|c: char| !c.is_ascii_alphanumeric()).filter(|word| !word.is_empty());
