@@ -17,6 +17,7 @@ mod leaves;
 mod mend;
 mod names;
 mod painted;
+mod plan;
 mod seconds;
 mod shape;
 mod spot;
@@ -210,11 +211,8 @@ fn upright(at: Side, up: Up) -> Option<Up> {
 /// Those of a class.
 fn triangles_of(plant: &ClassedMesh, class: MaterialClass) -> Vec<foot::Triangle> {
     let mesh = &plant.mesh;
-    let materials = mesh.triangles.iter().zip(&mesh.triangle_material);
-    let of_class = materials.filter(|(_, material)| plant.classes[**material as usize] == class);
-    of_class
-        .map(|(corners, _)| corners.map(|vertex| mesh.positions[vertex as usize].map(f64::from)))
-        .collect()
+    let is_of_class = |triangle: &usize| plant.classes[mesh.triangle_material[*triangle] as usize] == class;
+    (0..mesh.triangles.len()).filter(is_of_class).map(|triangle| mesh.corners_m(triangle)).collect()
 }
 
 /// A number of metres, to three digits: "12.5", "0.0312", "1530".

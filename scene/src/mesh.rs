@@ -273,6 +273,11 @@ impl Mesh {
         bounds
     }
 
+    /// Corners of a triangle, model space, metres.
+    pub fn corners_m(&self, triangle: usize) -> [[f64; 3]; 3] {
+        self.triangles[triangle].map(|vertex| self.positions[vertex as usize].map(f64::from))
+    }
+
     /// The colour of a triangle's vertices at the weights of its second and third one, linear; white where the mesh has
     /// none.
     pub fn vertex_color(&self, triangle: usize, weights: [f32; 2]) -> Vec3 {

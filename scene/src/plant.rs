@@ -66,11 +66,7 @@ impl ClassedMesh {
     pub fn area_m2(&self, class: MaterialClass) -> f64 {
         let mesh = &self.mesh;
         let of_class = |triangle: &usize| self.classes[mesh.triangle_material[*triangle] as usize] == class;
-        let area_m2 = |triangle: usize| {
-            let corners =
-                mesh.triangles[triangle].map(|vertex| mesh.positions[vertex as usize].map(f64::from));
-            mesh.sheets.side(triangle).share() * area(corners)
-        };
+        let area_m2 = |triangle: usize| mesh.sheets.side(triangle).share() * area(mesh.corners_m(triangle));
         (0..mesh.triangles.len()).filter(of_class).map(area_m2).sum()
     }
 
@@ -87,9 +83,18 @@ impl ClassedMesh {
 
 /// Bounds of the triangles whose material is leaf or wood; `None` where there is none.
 pub fn plant_bounds(mesh: &Mesh, classes: &[MaterialClass]) -> Option<Bounds> {
+    bounds_where(mesh, classes, |class| class != MaterialClass::Neither)
+}
+
+/// Bounds of the triangles whose material is of a class that `counts`; `None` where there is none.
+pub(crate) fn bounds_where(
+    mesh: &Mesh,
+    classes: &[MaterialClass],
+    counts: impl Fn(MaterialClass) -> bool,
+) -> Option<Bounds> {
     let mut bounds: Option<Bounds> = None;
     for (triangle, &material) in mesh.triangles.iter().zip(&mesh.triangle_material) {
-        if classes[material as usize] == MaterialClass::Neither {
+        if !counts(classes[material as usize]) {
             continue;
         }
         for &vertex in triangle {

@@ -105,7 +105,6 @@ fn longest_m(mesh: &Mesh, classes: &[MaterialClass]) -> Option<f64> {
 }
 
 /// Corners of a triangle, metres.
-fn corners(mesh: &Mesh, triangle: u32) -> [glam::DVec3; 3] {
-    mesh.triangles[triangle as usize]
-        .map(|vertex| glam::DVec3::from_array(mesh.positions[vertex as usize].map(f64::from)))
+pub(crate) fn corners(mesh: &Mesh, triangle: u32) -> [glam::DVec3; 3] {
+    mesh.corners_m(triangle as usize).map(glam::DVec3::from_array)
 }

@@ -57,9 +57,8 @@ pub fn triangle_counts(mesh: &Mesh) -> Vec<u64> {
 pub fn rows(mesh: &Mesh, found: &[Found]) -> Vec<MaterialRow> {
     let counts = triangle_counts(mesh);
     let mut areas_m2 = vec![0.0f64; mesh.materials.len()];
-    for (number, (triangle, &material)) in mesh.triangles.iter().zip(&mesh.triangle_material).enumerate() {
-        areas_m2[material as usize] += mesh.sheets.side(number).share()
-            * area(triangle.map(|vertex| mesh.positions[vertex as usize].map(f64::from)));
+    for (number, &material) in mesh.triangle_material.iter().enumerate() {
+        areas_m2[material as usize] += mesh.sheets.side(number).share() * area(mesh.corners_m(number));
     }
     // What alpha cannot cut is refused when it is cut into voxels.
     let all = 0..mesh.materials.len();

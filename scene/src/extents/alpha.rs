@@ -131,14 +131,12 @@ fn background(mesh: &Mesh, material: &Material, triangles: &[u32]) -> Option<Dou
     }
     let (mut shown, mut looked) = (0.0, 0.0);
     for triangle in some(triangles) {
-        let corners =
-            mesh.triangles[triangle as usize].map(|vertex| mesh.positions[vertex as usize].map(f64::from));
         let shows = |point: &u32| {
             let [r, g, b, _] =
                 nearest(&texture, image, uv(mesh, triangle as usize, on_triangle(triangle, *point)));
             is_flat([r, g, b], flat)
         };
-        let area_m2 = area(corners);
+        let area_m2 = area(mesh.corners_m(triangle as usize));
         shown += area_m2 * (0..POINTS).filter(shows).count() as f64 / f64::from(POINTS);
         looked += area_m2;
     }
@@ -176,7 +174,7 @@ fn left_of(mesh: &Mesh, coverage: &Coverage, triangles: impl Iterator<Item = u32
             coverage.present_at([0, 1].map(|axis| (0..3).map(|k| weights[k] * uvs[k][axis]).sum()))
         };
         let share = (0..POINTS).filter(is_there).count() as f64 / f64::from(POINTS);
-        let area_m2 = area(corners.map(|vertex| mesh.positions[vertex].map(f64::from)));
+        let area_m2 = area(mesh.corners_m(triangle as usize));
         sums[0] += share * area_m2;
         sums[1] += area_m2;
     }

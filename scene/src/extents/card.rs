@@ -21,11 +21,11 @@ pub(super) fn doubt(plant: &ClassedMesh, extents: &Extents) -> Option<Doubt> {
     let (mut triangles, mut of_cards) = (0u64, 0u64);
     let (mut leaf_m2, mut cards_m2) = (0.0, 0.0);
     let mut materials: Vec<u32> = Vec::new();
-    for (triangle, (corners, &material)) in mesh.triangles.iter().zip(&mesh.triangle_material).enumerate() {
+    for (triangle, &material) in mesh.triangle_material.iter().enumerate() {
         if plant.classes[material as usize] != MaterialClass::Leaf {
             continue;
         }
-        let points = corners.map(|vertex| mesh.positions[vertex as usize].map(f64::from));
+        let points = mesh.corners_m(triangle);
         let span = |axis: usize| {
             let along = points.map(|point| point[axis]);
             along.iter().copied().fold(f64::MIN, f64::max) - along.iter().copied().fold(f64::MAX, f64::min)

@@ -251,7 +251,7 @@ impl Display for Doubt {
                 f,
                 "the alpha of {} cuts {:.0} % of the wood {material:?} away and is no outline, expected whole wood: it \
                  looks like a map of gloss or height",
-                list(std::slice::from_ref(image)),
+                one(image),
                 100.0 * cut
             ),
             Doubt::Uncut { material, image, outside } => write!(
@@ -259,7 +259,7 @@ impl Display for Doubt {
                 "{:.0} % of the leaves {material:?} lie outside of the outline in the alpha of {}, and the material is \
                  opaque there (alphaMode OPAQUE, or none), expected MASK: whole cards count as leaf",
                 100.0 * outside,
-                list(std::slice::from_ref(image)),
+                one(image),
             ),
             Doubt::VertexColors { material, look } => write!(
                 f,
@@ -289,7 +289,7 @@ impl Display for Doubt {
                 f,
                 "one sheet about the crown (material {}) is {} of {} m2 of leaf, as the hull of a crown is; expected \
                  single leaves",
-                list(std::slice::from_ref(material)),
+                one(material),
                 number(*hull_m2),
                 number(*leaf_m2)
             ),
@@ -311,9 +311,7 @@ impl Display for Doubt {
                 size_m.map(number).join(" x ")
             ),
             Doubt::Scrap { part, at_m, longest_m, rest_m } => {
-                let part = part
-                    .as_ref()
-                    .map_or(String::new(), |part| format!("{} ", list(std::slice::from_ref(part))));
+                let part = part.as_ref().map_or(String::new(), |part| format!("{} ", one(part)));
                 let [at, longest, rest] = [at_m.map(number).join(" "), number(*longest_m), number(*rest_m)];
                 write!(
                     f,
@@ -326,7 +324,7 @@ impl Display for Doubt {
                 "{:.0} % of the leaves {material:?} show the flat background of {}, and the material is opaque, expected \
                  MASK and alpha: whole cards count as leaf",
                 100.0 * share,
-                list(std::slice::from_ref(image)),
+                one(image),
             ),
             Doubt::HighWood { above_m, height_m } => {
                 let [above, height] = [*above_m, *height_m].map(number);
@@ -372,5 +370,10 @@ impl Display for Doubt {
 
 /// Names in quotes.
 fn list(names: &[String]) -> String {
-    names.iter().map(|name| format!("'{}'", quoted(name))).collect::<Vec<_>>().join(", ")
+    names.iter().map(|name| one(name)).collect::<Vec<_>>().join(", ")
+}
+
+/// A name in quotes.
+fn one(name: &str) -> String {
+    format!("'{}'", quoted(name))
 }

@@ -5,7 +5,7 @@ use glam::DVec3;
 
 use super::leaves::Leaves;
 use super::{Doubt, Extents};
-use crate::sheets::pieces;
+use crate::sheets::{corners, pieces};
 use crate::{ClassedMesh, Mesh};
 
 /// A sheet of ground spans this share of the plant's width and depth..
@@ -111,11 +111,6 @@ impl<'m> Sheet<'m> {
         let material = self.mesh.triangle_material[self.triangles[0] as usize];
         self.mesh.materials[material as usize].name.clone()
     }
-}
-
-fn corners(mesh: &Mesh, triangle: u32) -> [DVec3; 3] {
-    mesh.triangles[triangle as usize]
-        .map(|vertex| DVec3::from_array(mesh.positions[vertex as usize].map(f64::from)))
 }
 
 /// The normal of a triangle, as long as its area; of one side of a leaf, half of it.

@@ -21,6 +21,7 @@ use super::Doubt;
 use super::leaves::Leaves;
 use crate::alpha::Coverage;
 use crate::mesh::sides::Side;
+use crate::sheets::corners;
 use crate::{ClassedMesh, MaterialClass, Mesh};
 use gaps::{Among, Gaps, Probe};
 
@@ -53,12 +54,6 @@ const ALIKE: f64 = 1.5;
 const ROUNDING: f64 = 1e-6;
 /// Least share of the leaf area that is worth a doubt.
 const MIN_SHARE: f64 = 0.05;
-
-/// Corners of a triangle.
-fn corners(mesh: &Mesh, triangle: u32) -> [DVec3; 3] {
-    mesh.triangles[triangle as usize]
-        .map(|vertex| DVec3::from_array(mesh.positions[vertex as usize].map(f64::from)))
-}
 
 /// How far a second sheet may lie from a leaf of this area and length.
 fn reach_of(area_m2: f64, longest_m: f64) -> f64 {

@@ -4,7 +4,8 @@ use flb_format::meta::Bounds;
 
 use super::{Doubt, Extents};
 use crate::import::area;
-use crate::mesh::{Part, around};
+use crate::mesh::Part;
+use crate::plant::bounds_where;
 use crate::{ClassedMesh, MaterialClass};
 
 /// Share of the area that is left off either end of each axis: a scrap far off is less.
@@ -32,7 +33,8 @@ pub(super) fn doubt(plant: &ClassedMesh, extents: &Extents) -> Option<Doubt> {
     if let Some(doubt) = scrap(plant, extents) {
         return Some(doubt);
     }
-    let [leaves, wood] = [MaterialClass::Leaf, MaterialClass::Wood].map(|class| bounds_of(plant, class));
+    let bounds = |of: MaterialClass| bounds_where(&plant.mesh, &plant.classes, |class| class == of);
+    let [leaves, wood] = [MaterialClass::Leaf, MaterialClass::Wood].map(bounds);
     if let (Some(leaves), Some(wood)) = (leaves, wood) {
         let [leaf_m, wood_m] = [leaves, wood].map(|bounds| longest(&bounds));
         if leaf_m > MAX_OF_WOOD * wood_m || wood_m > MAX_OF_LEAVES * leaf_m {
@@ -44,15 +46,6 @@ pub(super) fn doubt(plant: &ClassedMesh, extents: &Extents) -> Option<Doubt> {
         }
     }
     None
-}
-
-fn bounds_of(plant: &ClassedMesh, class: MaterialClass) -> Option<Bounds> {
-    let of_class = plant.mesh.triangles.iter().zip(&plant.mesh.triangle_material);
-    let corners = of_class
-        .filter(|(_, material)| plant.classes[**material as usize] == class)
-        .flat_map(|(corners, _)| *corners);
-    let point = |vertex: u32| plant.mesh.positions[vertex as usize].map(f64::from);
-    corners.map(|vertex| Bounds { min: point(vertex), max: point(vertex) }).reduce(around)
 }
 
 fn longest(bounds: &Bounds) -> f64 {
@@ -71,12 +64,12 @@ fn scrap(plant: &ClassedMesh, extents: &Extents) -> Option<Doubt> {
     let longest_m = extents.longest_m();
     // `[axis][bin]`: area of triangles, a third at each corner.
     let mut bins = vec![[0.0f64; BINS]; 3];
-    let of_plant = mesh.triangles.iter().zip(&mesh.triangle_material);
-    let of_plant =
-        of_plant.filter(|(_, material)| plant.classes[**material as usize] != MaterialClass::Neither);
+    let is_plant = |triangle: &usize| {
+        plant.classes[mesh.triangle_material[*triangle] as usize] != MaterialClass::Neither
+    };
+    let of_plant = || (0..mesh.triangles.len()).filter(is_plant).map(|triangle| mesh.corners_m(triangle));
     let mut all_m2 = 0.0;
-    for (corners, _) in of_plant {
-        let points = corners.map(|vertex| mesh.positions[vertex as usize].map(f64::from));
+    for points in of_plant() {
         let area_m2 = area(points);
         all_m2 += area_m2;
         for (axis, bins) in bins.iter_mut().enumerate() {
@@ -99,11 +92,7 @@ fn scrap(plant: &ClassedMesh, extents: &Extents) -> Option<Doubt> {
     }
     let axis = (0..3).max_by(|a, b| size_m[*a].total_cmp(&size_m[*b]))?;
     let beyond = |point: &[f64; 3]| (rest[axis][0] - point[axis]).max(point[axis] - rest[axis][1]);
-    let used = mesh.triangles.iter().zip(&mesh.triangle_material);
-    let points = used
-        .filter(|(_, material)| plant.classes[**material as usize] != MaterialClass::Neither)
-        .flat_map(|(corners, _)| corners.map(|vertex| mesh.positions[vertex as usize].map(f64::from)));
-    let at_m = points.max_by(|a, b| beyond(a).total_cmp(&beyond(b)))?;
+    let at_m = of_plant().flatten().max_by(|a, b| beyond(a).total_cmp(&beyond(b)))?;
     let holds =
         |bounds: &Bounds| (0..3).all(|axis| (bounds.min[axis]..=bounds.max[axis]).contains(&at_m[axis]));
     let parts = mesh.parts.iter().filter(|part| part.bounds_m().is_some_and(|bounds| holds(&bounds)));

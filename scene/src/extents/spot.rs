@@ -6,14 +6,11 @@
 
 use std::collections::BTreeMap;
 
-use flb_format::meta::Bounds;
-
+use super::plan::{self, MAX_FOOT, middle, over_ground, width};
 use super::{Doubt, Extents};
-use crate::mesh::{Foot, Part, PartUse, around};
+use crate::mesh::{Foot, Part, around};
 use crate::{ClassedMesh, MaterialClass};
 
-/// A foot is so far above the lowest of all at most, as a share of the height of all.
-const MAX_FOOT: f64 = 0.1;
 /// A crown is about its foot: its middle is so far from it at most, as a share of its width.
 const CENTERED: f64 = 0.25;
 /// Height of a plant, as a share of the height of all, at least.
@@ -70,31 +67,21 @@ pub(super) fn doubt(plant: &ClassedMesh, extents: &Extents) -> Option<Doubt> {
 
 /// The parts of a name as a plant, if they are one that stands on the ground.
 fn whole<'m>(plant: &ClassedMesh, extents: &Extents, name: &'m str, parts: Vec<usize>) -> Option<Whole<'m>> {
-    let uses = |class: MaterialClass| {
-        let all = parts.iter().flat_map(|&part: &usize| -> &[_] { &plant.mesh.parts[part].uses });
-        all.filter(move |used| plant.classes[used.material as usize] == class)
+    let uses = || parts.iter().flat_map(|&part| &plant.mesh.parts[part].uses);
+    let bounds = |class: MaterialClass| {
+        let of_class = uses().filter(|used| plant.classes[used.material as usize] == class);
+        of_class.map(|used| used.bounds_m).reduce(around)
     };
-    let bounds = |class| uses(class).map(|used| used.bounds_m).reduce(around);
     let bounds_m = around(bounds(MaterialClass::Leaf)?, bounds(MaterialClass::Wood)?);
-    let lowest = |a: &&PartUse, b: &&PartUse| a.bounds_m.min[1].total_cmp(&b.bounds_m.min[1]);
-    let foot = uses(MaterialClass::Wood).min_by(lowest)?.foot;
+    let foot = plan::foot(plant, uses())?;
     let (bottom_m, height_m) = (extents.bounds_m.min[1], extents.size_m()[1]);
     let is_high = bounds_m.max[1] - bounds_m.min[1] >= MIN_HEIGHT * height_m;
     let stands = foot.middle_m[1] - bottom_m <= MAX_FOOT * height_m;
-    let middle: [f64; 3] = std::array::from_fn(|axis| bounds_m.min[axis].midpoint(bounds_m.max[axis]));
-    let is_centered = over_ground(middle, foot.middle_m) <= CENTERED * width(&bounds_m);
+    let is_centered = over_ground(middle(&bounds_m), foot.middle_m) <= CENTERED * width(&bounds_m);
     (is_high && stands && is_centered).then_some(Whole { name, parts, foot })
 }
 
 /// Distance of two feet up to which they go through each other.
 fn reach(a: &Whole, b: &Whole) -> f64 {
     a.foot.spread_m.max(b.foot.spread_m)
-}
-
-fn over_ground(a: [f64; 3], b: [f64; 3]) -> f64 {
-    libm::hypot(a[0] - b[0], a[2] - b[2])
-}
-
-fn width(bounds: &Bounds) -> f64 {
-    (bounds.max[0] - bounds.min[0]).max(bounds.max[2] - bounds.min[2])
 }

@@ -5,7 +5,8 @@ use std::collections::BTreeMap;
 
 use flb_format::meta::Bounds;
 
-use super::{Doubt, Extents, alpha, card, number, painted};
+use super::plan::{MAX_FOOT, middle, over_ground, width};
+use super::{Doubt, Extents, alpha, card, number, painted, plan};
 use crate::import::area;
 use crate::mesh::{Part, around};
 use crate::{ClassedMesh, MaterialClass};
@@ -26,8 +27,6 @@ const AS_HIGH: f64 = 0.3;
 const FEWER: f64 = 1.5;
 /// Parts that are a plant each are so high at least, as a share of the height of all..
 const MIN_HEIGHT: f64 = 0.5;
-/// ..begin so far above the lowest of all at most..
-const MAX_FOOT: f64 = 0.1;
 /// ..and have their middles so many widths apart. Stems of one shrub stand nearer to each other.
 const BESIDE: f64 = 0.6;
 /// Feet of stems of one shrub are nearer to each other than this share of the distance of their crowns.
@@ -213,11 +212,11 @@ fn apart(plant: &ClassedMesh, extents: &Extents) -> Option<Doubt> {
     let cell = |x: f64, axis: usize| (((x - low[axis]) / cell_m) as usize).min(CELLS - 1);
     let mut areas = vec![0.0f64; CELLS * CELLS];
     let mut is_filled = vec![false; CELLS * CELLS];
-    for (corners, &material) in mesh.triangles.iter().zip(&mesh.triangle_material) {
+    for (triangle, &material) in mesh.triangle_material.iter().enumerate() {
         if plant.classes[material as usize] == MaterialClass::Neither {
             continue;
         }
-        let points = corners.map(|vertex| mesh.positions[vertex as usize].map(f64::from));
+        let points = mesh.corners_m(triangle);
         let ends = |axis: usize| {
             let along = points.map(|point| point[axis]);
             let ends = [
@@ -283,27 +282,13 @@ fn beside(plant: &ClassedMesh, extents: &Extents) -> Option<Doubt> {
 
 /// Whether two parts are stems of one shrub: their feet are much nearer to each other than their crowns.
 fn are_stems(plant: &ClassedMesh, a: (&Bounds, &Part), b: (&Bounds, &Part)) -> bool {
-    let (Some(foot), Some(other)) = (foot_of(plant, a.1), foot_of(plant, b.1)) else { return false };
+    let foot = |part: &Part| Some(plan::foot(plant, part.uses.iter())?.middle_m);
+    let (Some(foot), Some(other)) = (foot(a.1), foot(b.1)) else { return false };
     over_ground(foot, other) < NEAR_FEET * over_ground(middle(a.0), middle(b.0))
-}
-
-/// The middle of the foot of a part's wood.
-fn foot_of(plant: &ClassedMesh, part: &Part) -> Option<[f64; 3]> {
-    let wood = part.uses.iter().filter(|used| plant.classes[used.material as usize] == MaterialClass::Wood);
-    wood.min_by(|a, b| a.bounds_m.min[1].total_cmp(&b.bounds_m.min[1])).map(|used| used.foot.middle_m)
-}
-
-fn middle(bounds: &Bounds) -> [f64; 3] {
-    std::array::from_fn(|axis| bounds.min[axis].midpoint(bounds.max[axis]))
-}
-
-fn over_ground(a: [f64; 3], b: [f64; 3]) -> f64 {
-    libm::hypot(a[0] - b[0], a[2] - b[2])
 }
 
 /// Distance of the middles of two boxes over the ground, in widths of the smaller one.
 fn plan_apart(a: &Bounds, b: &Bounds) -> f64 {
-    let width = |bounds: &Bounds| (bounds.max[0] - bounds.min[0]).max(bounds.max[2] - bounds.min[2]);
     over_ground(middle(a), middle(b)) / width(a).min(width(b)).max(f64::MIN_POSITIVE)
 }
 

@@ -40,7 +40,7 @@ pub(super) fn split_points(mesh: &mut Mesh) {
         let index = mesh.triangle_material[triangle as usize];
         let material = &mesh.materials[index as usize];
         let Some(texture) = shown(material).filter(|_| is_share(material)) else { continue };
-        let corners = mesh.triangles[triangle as usize].map(|v| mesh.positions[v as usize].map(f64::from));
+        let corners = mesh.corners_m(triangle as usize);
         let (of_it, area_m2) = (found.entry(index).or_default(), area(corners));
         of_it.area_m2 += area_m2;
         of_it.triangles += 1;

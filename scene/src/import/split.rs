@@ -106,7 +106,7 @@ pub(super) fn split(
         let sum = sums.entry(key).or_default();
         if share.is_some() || tint.is_some() {
             let share = share.unwrap_or(1.0);
-            let area_m2 = area(corners.map(|vertex| mesh.positions[vertex].map(f64::from)));
+            let area_m2 = area(mesh.corners_m(triangle));
             sum.area_m2 += area_m2;
             sum.passing_m2 += area_m2 * share;
             let tint = tint.unwrap_or([1.0; 4]);

@@ -12,14 +12,14 @@ const FOOT: f64 = 0.05;
 /// part has the same ones (`lent`) still count for where a part is.
 pub(crate) fn fill(mesh: &Mesh, triangle_part: &[u32], lent: &[Lent], parts: &mut [Part]) {
     for (triangle, &part) in triangle_part.iter().enumerate() {
-        let (material, corners) = (mesh.triangle_material[triangle], corners(mesh, triangle));
+        let (material, corners) = (mesh.triangle_material[triangle], mesh.corners_m(triangle));
         let used = of_material(&mut parts[part as usize], material, corners);
         used.triangles += 1;
         used.area_m2 += area(corners);
     }
     for &Lent { part, triangle } in lent {
         let triangle = triangle as usize;
-        of_material(&mut parts[part as usize], mesh.triangle_material[triangle], corners(mesh, triangle));
+        of_material(&mut parts[part as usize], mesh.triangle_material[triangle], mesh.corners_m(triangle));
     }
     let stay = triangle_part.iter().enumerate().map(|(triangle, &part)| (triangle, part));
     fill_feet(mesh, stay.chain(lent.iter().map(|lent| (lent.triangle as usize, lent.part))), parts);
@@ -59,7 +59,7 @@ fn fill_feet(mesh: &Mesh, all: impl Iterator<Item = (usize, u32)>, parts: &mut [
         let Bounds { min, max } = uses[at].bounds_m;
         let end = min[1] + FOOT * (max[1] - min[1]);
         let sums = &mut feet[firsts[part as usize] + at];
-        corners(mesh, triangle)
+        mesh.corners_m(triangle)
             .into_iter()
             .filter(|corner| corner[1] <= end)
             .for_each(|point| sums.add(point, min));
@@ -96,10 +96,6 @@ impl FootSums {
         let spread_m = (self.second / count - x * x - z * z).max(0.0).sqrt();
         Foot { middle_m: [from[0] + x, from[1] + y, from[2] + z], spread_m }
     }
-}
-
-fn corners(mesh: &Mesh, triangle: usize) -> [[f64; 3]; 3] {
-    mesh.triangles[triangle].map(|vertex| mesh.positions[vertex as usize].map(f64::from))
 }
 
 fn bounds_of(corners: [[f64; 3]; 3]) -> Bounds {

@@ -3,11 +3,12 @@
 use glam::DVec3;
 use rayon::prelude::*;
 
+use super::Flat;
 use super::near::Near;
-use super::{Flat, corners};
 use crate::Mesh;
 use crate::alpha::Coverage;
 use crate::rays::uv;
+use crate::sheets::corners;
 
 /// Least cosine between the normals of two sheets.
 const PARALLEL: f64 = 0.9;
