@@ -33,7 +33,7 @@ pub use physical::LightArtefact;
 pub use physical::{StoredCrown, StoredLight, StoredReport};
 
 /// Version of the artefacts' layout and of what the stages compute. Part of every header and key.
-pub const SCHEMA: u32 = 20;
+pub const SCHEMA: u32 = 21;
 
 const MAGIC: [u8; 8] = *b"FLBSTAGE";
 /// Bytes before the payload; a multiple of 16, so that an aligned file has an aligned payload.

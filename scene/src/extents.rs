@@ -8,6 +8,7 @@
 //! says what mends it, in the words of the place where a reader can say it.
 
 mod alpha;
+mod blades;
 mod card;
 mod doubt;
 mod enclosed;
@@ -16,6 +17,7 @@ mod hull;
 mod leaves;
 mod mend;
 mod names;
+mod nested;
 mod painted;
 mod plan;
 mod seconds;
@@ -115,21 +117,30 @@ pub fn doubts(plant: &ClassedMesh, read_as: &ImportSettings) -> Vec<Doubt> {
     // Of a plant that is there twice each leaf is.
     let is_single = !are_told && on_one_spot.is_none();
     let leaves = leaves::Leaves::of(plant);
+    let of_walls = doubt_of_walls(plant, &extents);
+    // Of a plant in a box the box is told.
+    let of_twins = (is_single && !are_several && of_walls.is_none())
+        .then(|| nested::doubt(plant, extents.longest_m()))
+        .flatten();
     let second_sheets = is_single.then(|| seconds::doubt(plant, &leaves, extents.longest_m())).flatten();
     let of_shape = shape::doubt(plant, &extents).filter(|_| !are_several);
     let of_shells = doubt_of_shells(plant);
     let of_hull =
         hull::doubt(plant, &leaves, &extents).filter(|_| of_shells.is_none() && !has_card(&of_parts));
+    let of_leaves = blades::doubt(plant, &leaves, &extents, read_as.unit_m)
+        .filter(|_| of_size.is_none() && of_hull.is_none() && !has_card(&of_parts));
     of_size
         .into_iter()
+        .chain(of_leaves)
         .chain(of_shape)
         .chain(of_wood.filter(|_| !are_several))
         .chain(of_shells)
         .chain(second_sheets)
-        .chain(doubt_of_walls(plant, &extents))
+        .chain(of_walls)
         .chain(of_parts)
         .chain(of_hull)
         .chain(on_one_spot)
+        .chain(of_twins)
         .chain(names::doubt(plant))
         .collect()
 }
@@ -146,6 +157,7 @@ pub fn doubts_of(plant: &ClassedMesh, reader: &PlantReader) -> Vec<Doubt> {
     let is_open = |doubt: &Doubt| match doubt {
         Doubt::NoWood => !says_leaf,
         Doubt::NoLeaf => !says_wood,
+        Doubt::LeafSize { .. } => reader.settings.unit_m.is_none(),
         Doubt::Size { longest_m, .. } => reader.settings.unit_m.is_none() || !STATED_M.contains(longest_m),
         _ => true,
     };

@@ -15,8 +15,8 @@ use std::collections::HashMap;
 use std::sync::LazyLock;
 
 use lists::{
-    AND, ATLASES, COVERS, FOREIGN, FOREIGN_WITHIN, GROWN, LEAF, LEAF_WITHIN, LEAVES, NEUTRAL, OF, PLURALS,
-    STAND_INS, STAND_INS_WITHIN, TRUNKS, WOOD, WOOD_WITHIN,
+    AND, ATLASES, COVERS, FLOWERS, FOREIGN, FOREIGN_WITHIN, GROWN, LEAF, LEAF_WITHIN, LEAVES, NEUTRAL, OF,
+    PLURALS, STAND_INS, STAND_INS_WITHIN, TRUNKS, WOOD, WOOD_WITHIN,
 };
 use unicode_normalization::UnicodeNormalization;
 
@@ -76,6 +76,16 @@ fn head_before(before: &[String], word: &str) -> Option<String> {
 /// Whether a name is that of an image of several things: `leaf_atlas`.
 pub(crate) fn is_of_several(name: &str) -> bool {
     parts_of_name(name).iter().any(|part| is_in(ATLASES, part))
+}
+
+/// Whether a name is that of a flower: the word that makes it leaf is one of flowers.
+pub(crate) fn is_flower(name: &str) -> bool {
+    match told(name) {
+        Told::Class(MaterialClass::Leaf, word) => {
+            is_in(FLOWERS, &word) || ["petal", "petals"].iter().any(|end| word.ends_with(end))
+        }
+        _ => false,
+    }
 }
 
 /// Whether a word of a class says that and nothing else: leaves, or a trunk. A branch may be a card of leaves.

@@ -12,8 +12,9 @@ use super::evidence::Evidence;
 use super::points::on_surface;
 use super::rules::{ColorRules, ColorSource};
 use crate::alpha::Coverage;
+use crate::classify::words::is_flower;
 use crate::leaf::{Bands, LeafModel};
-use crate::mesh::Material;
+use crate::mesh::{Image, Material};
 use crate::{MaterialClass, Mesh};
 
 /// Reflectance of common bark in R, G and B.
@@ -93,7 +94,7 @@ pub fn resolve(mesh: &Mesh, classes: &[MaterialClass], measured: &Surfaces, rule
     let decide = |((material, &class), found): ((&Material, &MaterialClass), &Found)| {
         (class != MaterialClass::Neither).then(|| {
             let surfaces = rules.set(&material.name).map_or(measured, |set| &set.surfaces);
-            Decision::of(material, class, found, surfaces, colors, rules)
+            Decision::of(material, &mesh.images, class, found, surfaces, colors, rules)
         })
     };
     let decisions: Vec<Option<Decision>> =
@@ -176,6 +177,7 @@ struct Decision {
 impl Decision {
     fn of(
         material: &Material,
+        images: &[Image],
         class: MaterialClass,
         found: &Found,
         surfaces: &Surfaces,
@@ -188,6 +190,9 @@ impl Decision {
         let reflected = |color: usize| measured.get(places[color]).map_or(0.0, |shares| shares.reflectance);
         let is_white = material.base_color[..3] == [1.0; 3] && found.color == DVec3::ONE;
         let is_colored = material.color_texture.is_some() || !is_white;
+        let is_flower = is_leaf && is_flower(&material.name);
+        let image = material.color_texture.and_then(|texture| images.get(texture.image as usize));
+        let has_picture = image.is_some_and(|image| image.width > 1 || image.height > 1);
         let texture = (is_colored && found.area_m2 > 0.0).then_some(found.color);
         let asked = rules.source(&material.name, is_leaf);
         let is_measured_asked = matches!(asked, Some((ColorSource::Measured, _)));
@@ -208,12 +213,28 @@ impl Decision {
                 warning = Some(format!("{origin}: {found}, expected {expected}; taking the measured colour"));
                 (Texel::Tint, "no colour of its own".to_owned(), false)
             }
-            (None, None) => (Texel::Tint, "no colour of its own".to_owned(), false),
+            (None, None) => {
+                if is_flower && has_colors && found.area_m2 > 0.0 {
+                    warning = Some(
+                        "its name is a flower's, and it has no colour; taking that of measured leaves"
+                            .to_owned(),
+                    );
+                }
+                (Texel::Tint, "no colour of its own".to_owned(), false)
+            }
             (None, Some(_)) if !has_colors => (Texel::Tint, "its bands are no colours".to_owned(), false),
             (None, Some(mean)) => {
                 let judge = if is_leaf { Evidence::of } else { Evidence::of_wood };
                 match judge(mean, DVec3::new(reflected(0), reflected(1), reflected(2))) {
-                    Evidence::White => (Texel::Tint, "its colour is white".to_owned(), false),
+                    Evidence::White if is_flower => {
+                        (Texel::Albedo, "its colour is white, and its name a flower's".to_owned(), true)
+                    }
+                    Evidence::White => {
+                        if has_picture {
+                            warning = Some("its texture is white; taking the measured colour".to_owned());
+                        }
+                        (Texel::Tint, "its colour is white".to_owned(), false)
+                    }
                     Evidence::Black => {
                         warning = Some("its colour is black; taking the measured one".to_owned());
                         (Texel::Tint, "its colour is black".to_owned(), false)
@@ -274,6 +295,7 @@ fn surface_of(
     colors: [usize; 3],
     mean: [f64; 3],
 ) -> MaterialSurface {
+    let albedo = albedo_of(measured, colors, mean);
     // A colour of its own for what passes holds in the mean; else it is that of the texel.
     let parts = |band: usize| {
         let (passes, color) = passing?;
@@ -287,10 +309,8 @@ fn surface_of(
     };
     let scale = |(band, shares): (usize, &MeanShares)| match (texel, parts(band)) {
         (Texel::Albedo, Some(parts)) if colors.contains(&band) => parts,
-        (Texel::Albedo, None) if colors.contains(&band) => {
-            let ratio = shares.transmittance / shares.reflectance;
-            let transmittance = if ratio.is_finite() { ratio.min(MAX_RATIO) } else { 0.0 };
-            MeanShares { reflectance: 1.0, transmittance }
+        (Texel::Albedo, None) => {
+            colors.iter().position(|color| *color == band).map_or(*shares, |at| albedo[at])
         }
         // All that a measured leaf scatters, divided as the file says.
         (Texel::Tint, Some(parts)) if parts.reflectance + parts.transmittance > 0.0 => {
@@ -303,6 +323,26 @@ fn surface_of(
     let scales = measured.iter().enumerate().map(scale);
     let (reflectance, transmittance) = scales.map(|scale| (scale.reflectance, scale.transmittance)).unzip();
     MaterialSurface { texel, reflectance, transmittance }
+}
+
+/// Shares of red, green and blue at a texel of 1 where texels are the albedo: a leaf reflects its texel, and transmits
+/// by the measured ratio of the band. Where a colour as bright as the mean would send out more than all light, one ratio
+/// serves all bands and one factor scales them, so that white stays white.
+fn albedo_of(measured: &[MeanShares], colors: [usize; 3], mean: [f64; 3]) -> [MeanShares; 3] {
+    let ratios = colors.map(|band| {
+        let ratio = measured.get(band).map_or(0.0, |shares| shares.transmittance / shares.reflectance);
+        if ratio.is_finite() { ratio.min(MAX_RATIO) } else { 0.0 }
+    });
+    let brightest = |ratios: [f64; 3]| {
+        let sent = mean.iter().zip(ratios).map(|(color, ratio)| color * (1.0 + ratio));
+        sent.fold(1.0, f64::max)
+    };
+    if brightest(ratios) <= 1.0 {
+        return ratios.map(|ratio| MeanShares { reflectance: 1.0, transmittance: ratio });
+    }
+    let ratio = ratios.into_iter().fold(0.0, f64::max);
+    let scale = brightest([ratio; 3]).recip();
+    [MeanShares { reflectance: scale, transmittance: scale * ratio }; 3]
 }
 
 /// Largest ratio of transmittance to reflectance: a leaf that reflects less of its light than that is black paint.

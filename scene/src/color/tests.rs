@@ -270,7 +270,48 @@ fn bright_texels_are_clamped_and_the_mean_is_that_of_what_is_shown() {
     for band in &white.mean.bands {
         assert!((band.leaf.reflectance + band.leaf.transmittance - 1.0).abs() < 1e-6, "{band:?}");
     }
-    assert_eq!(leaf(&white).clamped, 1.0);
+    assert_eq!(leaf(&white).clamped, 0.0, "in the mean all bands are scaled alike");
+}
+
+#[test]
+fn petals_keep_their_hue_however_bright() {
+    for texel in [[240u8, 235, 230], [250, 215, 40], [255, 255, 255]] {
+        let [r, g, b] = texel;
+        let mut mesh = squares(&[&[[r, g, b, 255]; 2]]);
+        mesh.materials[0].name = "Cherry_Petals".to_owned();
+        let colors = by_itself(&mesh);
+        let of = leaf(&colors);
+        assert_eq!((of.texel, of.clamped, of.warning.as_deref()), (Texel::Albedo, 0.0, None), "{texel:?}");
+        let color = of.texture.unwrap();
+        let scale = of.shown[0].reflectance / color[0];
+        for (shown, color) in of.shown.iter().zip(color) {
+            assert!((shown.reflectance - scale * color).abs() < 1e-6, "{texel:?}: {shown:?}");
+            assert!((shown.transmittance / shown.reflectance - 1.2).abs() < 1e-4, "{texel:?}: {shown:?}");
+        }
+        let sent = of.shown.iter().map(|shown| shown.reflectance + shown.transmittance).fold(0.0, f64::max);
+        assert!((sent - 1.0).abs() < 1e-6, "{texel:?}: {sent}");
+    }
+}
+
+#[test]
+fn white_is_the_colour_of_flowers_and_a_word_on_leaves() {
+    let named = |name: &str, mut mesh: Mesh| {
+        mesh.materials[0].name = name.to_owned();
+        let colors = by_itself(&mesh);
+        (leaf(&colors).texel, leaf(&colors).warning.clone())
+    };
+    let picture = || squares(&[&[[255; 4]; 2]]);
+    for name in ["petals", "Blüten", "cherryPetal", "white_flower_mat", "flores"] {
+        assert_eq!(named(name, picture()), (Texel::Albedo, None), "{name}");
+        assert_eq!(named(name, squares(&[&[[255; 4]]])), (Texel::Albedo, None), "{name}");
+        let (texel, warning) = named(name, plain([1.0; 3]));
+        assert!(texel == Texel::Tint && warning.is_some_and(|told| told.contains("a flower's")), "{name}");
+    }
+    for name in ["leaves", "flower_leaves", "petal_stem"] {
+        let (texel, warning) = named(name, picture());
+        assert!(texel == Texel::Tint && warning.is_some_and(|told| told.contains("white")), "{name}");
+        assert_eq!(named(name, squares(&[&[[255; 4]]])), (Texel::Tint, None), "{name}");
+    }
 }
 
 #[test]

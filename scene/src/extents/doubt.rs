@@ -19,6 +19,15 @@ pub enum Doubt {
         /// Units of the file under which it would be usual, and its longest edge then, metres.
         units: Vec<(&'static str, f64)>,
     },
+    /// Half of the leaf area is of leaves that are longer than those of plants.
+    LeafSize {
+        /// Length of these leaves, metres.
+        length_m: f64,
+        /// Longest leaves that are expected, metres.
+        most_m: f64,
+        /// Units of the file under which they would be usual, and their length then, metres.
+        units: Vec<(&'static str, f64)>,
+    },
     /// The plant stands on another side than its bottom: it lies, or stands on its head.
     Foot {
         /// Side where the wood is thickest.
@@ -40,6 +49,11 @@ pub enum Doubt {
     OneSpot {
         /// Names of the parts that are a plant each.
         names: Vec<String>,
+    },
+    /// Wood stands in wood, as that of a plant does that is there twice.
+    WoodInWood {
+        /// Share of the wood's area with other wood under it, 0..=1.
+        share: f64,
     },
     /// The plant has leaves and no wood.
     NoWood,
@@ -178,6 +192,7 @@ impl Doubt {
     pub fn name(&self) -> &'static str {
         match self {
             Doubt::Size { .. } => "size",
+            Doubt::LeafSize { .. } => "leaf-size",
             Doubt::Foot { .. } => "foot",
             Doubt::HighWood { .. } => "high-wood",
             Doubt::Shells { .. } => "shells",
@@ -186,6 +201,7 @@ impl Doubt {
             Doubt::Levels { .. } => "levels",
             Doubt::Apart { .. } => "apart",
             Doubt::OneSpot { .. } => "one-spot",
+            Doubt::WoodInWood { .. } => "wood-in-wood",
             Doubt::NoWood => "no-wood",
             Doubt::NoLeaf => "no-leaf",
             Doubt::CutAway { .. } => "cut-away",
@@ -211,6 +227,13 @@ impl Display for Doubt {
                 let [low, high] = USUAL_M.map(number);
                 write!(f, "the plant's longest edge is {} m, expected {low} to {high} m", number(*longest_m))
             }
+            Doubt::LeafSize { length_m, most_m, .. } => write!(
+                f,
+                "half of the leaf area is leaves of {} m and more, expected up to {} m: the unit may be another one, or \
+                 cards stand for much of the plant",
+                number(*length_m),
+                number(*most_m)
+            ),
             Doubt::Foot { at, .. } => {
                 let (at, bottom) = (at.name(), Side::BOTTOM.name());
                 write!(
@@ -237,6 +260,12 @@ impl Display for Doubt {
                 let (count, names) = (names.len(), list(names));
                 write!(f, "{count} plants with a trunk each stand on one spot: {names}; expected one plant")
             }
+            Doubt::WoodInWood { share } => write!(
+                f,
+                "{:.0} % of the wood has other wood right under it, as a plant has that is there twice, expected one \
+                 trunk: two levels of detail may be joined",
+                100.0 * share
+            ),
             Doubt::NoWood => write!(f, "the plant has leaves and no wood: no material is taken for wood"),
             Doubt::NoLeaf => write!(f, "the plant has wood and no leaf: no material is taken for leaf"),
             Doubt::CutAway { material, area_m2, left } => {

@@ -19,13 +19,18 @@ impl Mend {
     /// The doubt, and what mends it.
     pub fn said(self, doubt: &Doubt) -> String {
         let mend = match doubt {
-            Doubt::Size { units, .. } => self.unit(units),
+            Doubt::Size { units, .. } => self.unit(units, "it is"),
+            Doubt::LeafSize { units, .. } => self.unit(units, "they are of"),
             Doubt::Foot { up: Some(up), .. } => self.up(up.name()),
             Doubt::Foot { up: None, .. } => {
                 format!("{} does not mend that: turn the plant in its file", self.words("--up", "up"))
             }
             Doubt::Levels { .. } | Doubt::Apart { .. } | Doubt::OneSpot { .. } => {
                 format!("{} chooses nodes or groups", self.words("--node", "`nodes`"))
+            }
+            Doubt::WoodInWood { .. } => {
+                let words = self.words("--node", "`nodes`");
+                format!("{words} chooses nodes or groups; what is joined must be parted in the mesh")
             }
             Doubt::CutAway { .. } => {
                 let alpha = self.alpha();
@@ -103,7 +108,7 @@ impl Mend {
         }
     }
 
-    fn unit(self, units: &[(&'static str, f64)]) -> String {
+    fn unit(self, units: &[(&'static str, f64)], what: &str) -> String {
         let words = self.words("--unit", "unit_m");
         let sizes: Vec<String> = units
             .iter()
@@ -112,7 +117,7 @@ impl Mend {
                     .ok()
                     .filter(|_| matches!(self, Mend::SpeciesFile | Mend::Manifest));
                 let unit = unit_m.map_or((*unit).to_owned(), |unit_m| unit_m.to_string());
-                format!("with {unit} it is {} m", number(*longest_m))
+                format!("with {unit} {what} {} m", number(*longest_m))
             })
             .collect();
         match sizes.is_empty() {

@@ -1,6 +1,8 @@
 //! Whether colours of vertices are colours: over a texture or a base colour they are a tint, in many exports data of
 //! wind, or that colour once more.
 
+mod weights;
+
 use std::fmt::{self, Display};
 
 use super::Doubt;
@@ -23,6 +25,10 @@ pub enum Painted {
     AllHues,
     /// Colours of the texture, or the base colour, a second time.
     Same,
+    /// One of red, green and blue runs from none to all in most blades, as weights of flutter do.
+    Runs,
+    /// One of red, green and blue, and not all, follows the height from none to all, as weights of bending do.
+    Height,
 }
 
 /// Mean of the brightest channel below which colours are black.
@@ -49,6 +55,8 @@ impl Display for Painted {
             Painted::TwoChannels => "lack one of red, green and blue",
             Painted::AllHues => "are of all hues",
             Painted::Same => "are nearly those of its texture or base colour",
+            Painted::Runs => "run from 0 to 1 in one of red, green and blue in most leaves",
+            Painted::Height => "follow the height in one of red, green and blue",
         })
     }
 }
@@ -115,7 +123,8 @@ pub(super) fn doubts(plant: &ClassedMesh, triangles: &[Vec<u32>]) -> Vec<Doubt> 
         for vertex in triangles.iter().flat_map(|&triangle| mesh.triangles[triangle as usize]) {
             sums.add(mesh.colors[vertex as usize]);
         }
-        let look = sums.look().or_else(|| repeat(mesh, material, triangles))?;
+        let look = sums.look().or_else(|| repeat(mesh, material, triangles));
+        let look = look.or_else(|| weights::look(mesh, triangles))?;
         Some(Doubt::VertexColors { material: material.name.clone(), look })
     };
     mesh.materials.iter().zip(triangles).filter_map(doubt).collect()

@@ -12,6 +12,12 @@ pub(super) const LEAF: &str = "
     blad bladeren naald naalden löv lov barr lisc liść liscie liście listi listí
 ";
 
+/// Flowers, among the words of leaf: white ones are white.
+pub(super) const FLOWERS: &str = "
+    petal petals flower flowers blossom blossoms bloom sepal bluete blüte blueten blüten fleur fleurs fiore fiori flor
+    flores petalo petali petalos pétale pétales
+";
+
 /// Wood, as whole parts of a name.
 pub(super) const WOOD: &str = "
     bark trunk trunks branch branches bough boughs limb limbs stem stems stalk stalks wood log logs stump root

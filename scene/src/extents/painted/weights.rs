@@ -1,0 +1,148 @@
+//! Colours of vertices that are weights of wind: they bend a plant by its height and make its leaves flutter.
+
+use super::Painted;
+use crate::Mesh;
+use crate::sheets::blades;
+
+/// A channel runs where its least and its most in a blade are this far apart.
+const MIN_RUN: f32 = 0.8;
+/// Share of the blades in which it does.
+const MIN_RUNNING: f64 = 0.6;
+/// Fewer blades tell nothing.
+const MIN_BLADES: usize = 8;
+/// Least correlation of a channel with the height.
+const MIN_OF_HEIGHT: f64 = 0.98;
+/// Two channels are one, as in shades of grey, where their correlation is this.
+const MIN_ONE: f64 = 0.9;
+
+/// Kind of weights that colours of the vertices of these triangles look like.
+pub(super) fn look(mesh: &Mesh, triangles: &[u32]) -> Option<Painted> {
+    let corners = || triangles.iter().flat_map(|&triangle| mesh.triangles[triangle as usize]);
+    let of = |vertex: u32, channel: usize| f64::from(mesh.colors[vertex as usize][channel]);
+    // Height, red, green, blue.
+    let values = corners().map(|vertex| {
+        let height = f64::from(mesh.positions[vertex as usize][1]);
+        [height, of(vertex, 0), of(vertex, 1), of(vertex, 2)]
+    });
+    let moments = Moments::of(values);
+    let is_grey = [[1, 2], [2, 3], [3, 1]].iter().all(|[a, b]| moments.correlation(*a, *b) > MIN_ONE);
+    if is_grey {
+        return None;
+    }
+    let follows = |channel: &usize| {
+        moments.most[*channel] - moments.least[*channel] >= f64::from(MIN_RUN)
+            && moments.correlation(0, *channel) >= MIN_OF_HEIGHT
+    };
+    if (1..4).any(|channel| follows(&channel)) {
+        return Some(Painted::Height);
+    }
+    runs(mesh, triangles).then_some(Painted::Runs)
+}
+
+/// Whether a channel runs from 0 to 1 in most blades.
+fn runs(mesh: &Mesh, triangles: &[u32]) -> bool {
+    let blades = blades(mesh, triangles);
+    let count = blades.iter().max().map_or(0, |last| *last as usize + 1);
+    let mut spans = vec![[[f32::INFINITY, f32::NEG_INFINITY]; 3]; count];
+    for (&triangle, &blade) in triangles.iter().zip(&blades) {
+        for vertex in mesh.triangles[triangle as usize] {
+            for (span, value) in spans[blade as usize].iter_mut().zip(mesh.colors[vertex as usize]) {
+                *span = [span[0].min(value), span[1].max(value)];
+            }
+        }
+    }
+    // Not every number is one of a blade.
+    let spans: Vec<_> = spans.into_iter().filter(|span| span[0][0] <= span[0][1]).collect();
+    let running = |channel: usize| {
+        let runs = |span: &&[[f32; 2]; 3]| span[channel][1] - span[channel][0] >= MIN_RUN;
+        spans.iter().filter(runs).count() as f64
+    };
+    let many = MIN_RUNNING * spans.len() as f64;
+    spans.len() >= MIN_BLADES && (0..3).any(|channel| running(channel) >= many)
+}
+
+/// Sums over corners: of height, red, green and blue.
+struct Moments {
+    count: f64,
+    sum: [f64; 4],
+    products: [[f64; 4]; 4],
+    least: [f64; 4],
+    most: [f64; 4],
+}
+
+impl Moments {
+    fn of(values: impl Iterator<Item = [f64; 4]>) -> Moments {
+        let mut sums = Moments {
+            count: 0.0,
+            sum: [0.0; 4],
+            products: [[0.0; 4]; 4],
+            least: [f64::INFINITY; 4],
+            most: [f64::NEG_INFINITY; 4],
+        };
+        for value in values {
+            sums.count += 1.0;
+            for (at, own) in value.into_iter().enumerate() {
+                sums.sum[at] += own;
+                sums.least[at] = sums.least[at].min(own);
+                sums.most[at] = sums.most[at].max(own);
+                for (sum, other) in sums.products[at].iter_mut().zip(value) {
+                    *sum += own * other;
+                }
+            }
+        }
+        sums
+    }
+
+    fn covariance(&self, a: usize, b: usize) -> f64 {
+        self.products[a][b] / self.count - self.sum[a] / self.count * (self.sum[b] / self.count)
+    }
+
+    /// -1..=1; 0 where one of both does not change.
+    fn correlation(&self, a: usize, b: usize) -> f64 {
+        let both = self.covariance(a, a) * self.covariance(b, b);
+        if both > 1e-12 { self.covariance(a, b) / libm::sqrt(both) } else { 0.0 }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::mesh::testing::soup;
+
+    /// Twenty blades from 1 m up, of two triangles each, painted by blade, corner's place along the blade, and height.
+    fn painted(paint: impl Fn(f32, f32, f32) -> [f32; 3]) -> Option<Painted> {
+        let blades = (0..20).map(|at| (at as f32 * 0.618).fract()).map(|place| {
+            let (x, y) = (4.0 * place, 1.0 + (7.0 * place).fract());
+            [
+                [[x, y, 0.0], [x + 0.1, y, 0.0], [x, y, 0.1]],
+                [[x + 0.1, y, 0.0], [x + 0.1, y, 0.1], [x, y, 0.1]],
+            ]
+        });
+        let blades: Vec<_> = blades.flatten().collect();
+        let mut mesh = soup(&blades);
+        mesh.colors = mesh
+            .positions
+            .iter()
+            .map(|[x, y, z]| {
+                let place = if *x % 0.2 < 0.05 { *x } else { *x - 0.1 };
+                paint((place * 3.7).fract(), z * 10.0, y - 1.0)
+            })
+            .collect();
+        let all: Vec<u32> = (0..mesh.triangles.len() as u32).collect();
+        look(&mesh, &all)
+    }
+
+    #[test]
+    fn weights_of_wind_are_no_colours() {
+        assert_eq!(painted(|blade, along, _| [blade, along, 0.5]), Some(Painted::Runs));
+        assert_eq!(painted(|blade, _, height| [blade, 0.5, height]), Some(Painted::Height));
+    }
+
+    #[test]
+    fn tints_and_shades_are() {
+        assert_eq!(painted(|blade, along, _| [0.6 + 0.3 * blade, 0.7 + 0.2 * along, 0.4]), None);
+        assert_eq!(painted(|_, along, _| [along; 3]), None, "a shade from the stem to the tip");
+        assert_eq!(painted(|_, _, height| [0.1 + 0.9 * height; 3]), None, "a shade from below to above");
+        assert_eq!(painted(|_, _, _| [0.5, 0.7, 0.3]), None);
+    }
+}
