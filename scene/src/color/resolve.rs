@@ -326,8 +326,8 @@ fn surface_of(
 }
 
 /// Shares of red, green and blue at a texel of 1 where texels are the albedo: a leaf reflects its texel, and transmits
-/// by the measured ratio of the band. Where a colour as bright as the mean would send out more than all light, one ratio
-/// serves all bands and one factor scales them, so that white stays white.
+/// by the measured ratio of the band. Where a colour as bright as the mean would send out more than all light, one
+/// ratio serves all bands and one factor scales them, so that white stays white.
 fn albedo_of(measured: &[MeanShares], colors: [usize; 3], mean: [f64; 3]) -> [MeanShares; 3] {
     let ratios = colors.map(|band| {
         let ratio = measured.get(band).map_or(0.0, |shares| shares.transmittance / shares.reflectance);
