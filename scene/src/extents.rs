@@ -25,6 +25,7 @@ mod shape;
 mod spot;
 #[cfg(test)]
 mod tests;
+mod tiers;
 mod whole;
 
 use std::fmt::{self, Display};
@@ -127,8 +128,9 @@ pub fn doubts(plant: &ClassedMesh, read_as: &ImportSettings) -> Vec<Doubt> {
     let of_shells = doubt_of_shells(plant);
     let of_hull =
         hull::doubt(plant, &leaves, &extents).filter(|_| of_shells.is_none() && !has_card(&of_parts));
+    let of_tiers = tiers::doubt(plant, &leaves).filter(|_| of_hull.is_none() && of_shells.is_none());
     let of_leaves = blades::doubt(plant, &leaves, &extents, read_as.unit_m)
-        .filter(|_| of_size.is_none() && of_hull.is_none() && !has_card(&of_parts));
+        .filter(|_| of_size.is_none() && of_hull.is_none() && of_tiers.is_none() && !has_card(&of_parts));
     of_size
         .into_iter()
         .chain(of_leaves)
@@ -139,6 +141,7 @@ pub fn doubts(plant: &ClassedMesh, read_as: &ImportSettings) -> Vec<Doubt> {
         .chain(of_walls)
         .chain(of_parts)
         .chain(of_hull)
+        .chain(of_tiers)
         .chain(on_one_spot)
         .chain(of_twins)
         .chain(names::doubt(plant))

@@ -35,7 +35,7 @@ pub enum Doubt {
         /// The up axis of the file under which that would be its bottom, if one would.
         up: Option<Up>,
     },
-    /// Levels of detail beside each other.
+    /// Levels of detail beside each other, or seasons.
     Levels {
         /// Labels of the parts, or names of the materials.
         names: Vec<String>,
@@ -111,6 +111,13 @@ pub enum Doubt {
         hull_m2: f64,
         /// Area of all leaves, square metres.
         leaf_m2: f64,
+    },
+    /// A crown of a few cones or bowls about its trunk.
+    Tiers {
+        /// Number of them.
+        count: u64,
+        /// Share of the leaf area, 0..=1.
+        share: f64,
     },
     /// Leaves and wood are of other scales.
     Scales {
@@ -211,6 +218,7 @@ impl Doubt {
             Doubt::Card { .. } => "card",
             Doubt::Names { .. } => "names",
             Doubt::Hull { .. } => "hull",
+            Doubt::Tiers { .. } => "tiers",
             Doubt::Scales { .. } => "scales",
             Doubt::Air { .. } => "air",
             Doubt::Thin { .. } => "thin",
@@ -244,7 +252,7 @@ impl Display for Doubt {
             Doubt::Levels { names } => {
                 write!(
                     f,
-                    "levels of detail of one plant are all there: {}; expected one of them",
+                    "levels of detail, or seasons, of one plant are all there: {}; expected one of them",
                     list(names)
                 )
             }
@@ -321,6 +329,12 @@ impl Display for Doubt {
                 one(material),
                 number(*hull_m2),
                 number(*leaf_m2)
+            ),
+            Doubt::Tiers { count, share } => write!(
+                f,
+                "{count} cones or bowls about the trunk are {:.0} % of the leaf area, as in firs of games, expected \
+                 single leaves: no light is found between leaves that are not there",
+                100.0 * share
             ),
             Doubt::Scales { leaf_m, wood_m } => write!(
                 f,

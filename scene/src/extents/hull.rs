@@ -114,7 +114,7 @@ impl<'m> Sheet<'m> {
 }
 
 /// The normal of a triangle, as long as its area; of one side of a leaf, half of it.
-fn normal_m2(mesh: &Mesh, triangle: u32) -> DVec3 {
+pub(super) fn normal_m2(mesh: &Mesh, triangle: u32) -> DVec3 {
     let [a, b, c] = corners(mesh, triangle);
     0.5 * mesh.sheets.side(triangle as usize).share() * (b - a).cross(c - a)
 }

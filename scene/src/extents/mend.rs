@@ -52,6 +52,7 @@ impl Mend {
                 let words = self.words("--ignore", "`ignore`");
                 format!("{words} leaves out a material; a crown's hull needs leaves of its own")
             }
+            Doubt::Tiers { .. } => "a crown of shells needs leaves of its own".to_owned(),
             Doubt::Background { .. } => {
                 "export the image with alpha, or name its opacity map in the material, and set alphaMode to MASK"
                     .to_owned()

@@ -341,6 +341,8 @@ fn levels_of_detail_beside_each_other_are_a_doubt_that_names_them() {
     assert_eq!(all_found(&plant, Up::Y), [], "twigs of one plant, the lower and the higher ones");
     plant.mesh.parts = same;
     assert_eq!(levels(&plant), ["Twigs_High", "Twigs_Low"]);
+    plant.mesh.parts = vec![part(&plant, &["Elm_Summer"], 0..count), part(&plant, &["elm-autumn"], 0..count)];
+    assert_eq!(levels(&plant), ["elm-autumn", "Elm_Summer"], "two seasons");
     plant.mesh.parts = vec![part(&plant, &["a"], 0..count), part(&plant, &["b"], 0..count)];
     plant.mesh.parts[1].uses[0].triangles /= 4;
     assert_eq!(levels(&plant), ["a", "b"], "they fill one box");

@@ -74,7 +74,8 @@ fn levels(plant: &ClassedMesh, extents: &Extents) -> Option<Doubt> {
     let parts = || mesh.parts.iter().filter(|part| is_plant(part));
     let mut by_stem: BTreeMap<String, BTreeMap<String, Vec<&Part>>> = BTreeMap::new();
     for part in parts() {
-        if let Some((stem, level)) = part.names.iter().find_map(|name| level_of(name)) {
+        let level = |name: &String| level_of(name).or_else(|| season_of(name));
+        if let Some((stem, level)) = part.names.iter().find_map(level) {
             by_stem.entry(stem).or_default().entry(level).or_default().push(part);
         }
     }
@@ -141,8 +142,25 @@ fn level_of(name: &str) -> Option<(String, String)> {
             return Some((format!("{before}{}", &rest[digits..]), rest[..digits].to_owned()));
         }
     }
+    without(&lower, QUALITIES)
+}
+
+/// Words of a season. Materials of two seasons may be mixed in one crown; parts are one or the other.
+const SEASONS: &str = "
+    spring summer autumn fall winter snow snowy frühling fruehling sommer herbst winter printemps été ete automne hiver
+    primavera verano otoño otono invierno estate autunno inverno
+";
+
+/// What a name says without its season, and that season: `leaves`, `autumn` of `Leaves_Autumn`.
+fn season_of(name: &str) -> Option<(String, String)> {
+    let lower = name.to_lowercase();
+    without(&lower, SEASONS)
+}
+
+/// A name's words without the last that is listed, and that one.
+fn without(lower: &str, listed: &str) -> Option<(String, String)> {
     let words: Vec<&str> = lower.split(['_', '-', '.', ' ']).collect();
-    let at = words.iter().rposition(|word| QUALITIES.split_whitespace().any(|known| known == *word))?;
+    let at = words.iter().rposition(|word| listed.split_whitespace().any(|known| known == *word))?;
     let stem: Vec<&str> = words.iter().enumerate().filter(|(i, _)| *i != at).map(|(_, word)| *word).collect();
     Some((stem.join("_"), words[at].to_owned()))
 }

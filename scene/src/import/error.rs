@@ -133,7 +133,8 @@ pub enum ImportError {
     /// Instances of a glTF that may be a forest as well as one plant.
     #[error(
         "{file}: holds {instances} instances (EXT_mesh_gpu_instancing), a forest or the parts of one plant: name the mesh to \
-         read (gltf_mesh), or '*' for all of it as one plant; the meshes are: {meshes}"
+         read (--gltf-mesh, or gltf_mesh in a species or scene file), or '*' for all of it as one plant; the meshes are: \
+         {meshes}"
     )]
     Instanced {
         /// The file.
@@ -144,7 +145,7 @@ pub enum ImportError {
         meshes: String,
     },
     /// A word for a mesh of a glTF that means none, or several.
-    #[error("{file}: gltf_mesh '{word}': {found}; the meshes are: {meshes}")]
+    #[error("{file}: --gltf-mesh or gltf_mesh '{word}': {found}; the meshes are: {meshes}")]
     UnknownMesh {
         /// The file.
         file: String,
