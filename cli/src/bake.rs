@@ -13,6 +13,7 @@ use flb_farm::cache::Cache;
 use flb_files::check_unread;
 use flb_format::Codec;
 use flb_packer::{EncodeSettings, encode_species, write_library};
+use flb_scene::color::words;
 use flb_scene::{ClassedMesh, Step};
 use serde::Serialize;
 
@@ -158,6 +159,9 @@ fn bake_one(
     let colours = colors::of_plant(&plant);
     if model::recipe(args).follows_colors() {
         colors::say_colors(path, &plant);
+        if args.strict {
+            measured.strict(&words::warnings(&plant), path)?;
+        }
     }
     let baked = bake(plant, settings, cache, stages).map_err(|error| Failure::from(error).at(path))?;
     let areas = areas.left(&baked.fields.medium);

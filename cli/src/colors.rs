@@ -45,11 +45,11 @@ impl ColorRow {
     }
 }
 
-/// Of a mesh that a reader read; its warnings go to stderr.
-pub(crate) fn rows(path: &Path, reader: &PlantReader, classed: ClassedMesh) -> Vec<ColorRow> {
+/// Of a mesh that a reader read, and its warnings, which go to stderr.
+pub(crate) fn rows(path: &Path, reader: &PlantReader, classed: ClassedMesh) -> (Vec<ColorRow>, Vec<String>) {
     let plant = reader.plant(String::new(), classed);
     say_warnings(path, &plant);
-    of_plant(&plant)
+    (of_plant(&plant), words::warnings(&plant))
 }
 
 /// Of a plant that is ready to be baked.

@@ -56,7 +56,7 @@ pub(crate) fn run(args: &MaterialsArgs) -> Result<u8, Failure> {
     if let Some(picture) = &args.picture {
         draw(args, picture, &mesh, &known)?;
     }
-    let (offset_m, mut read, skipped) = (mesh.offset_m, mesh.notes.clone(), mesh.warnings.clone());
+    let (offset_m, mut read, mut skipped) = (mesh.offset_m, mesh.notes.clone(), mesh.warnings.clone());
     let nodes = parts(&mesh);
     let is_plant =
         |found: &Found| matches!(found, Found::Class(known) if known.class != MaterialClass::Neither);
@@ -67,7 +67,10 @@ pub(crate) fn run(args: &MaterialsArgs) -> Result<u8, Failure> {
             read.extend(classed.mesh.sheets.notes());
             let measured = Measured::of_reader(&classed, &reader.plants, reader.mend);
             // What is there twice is known with the classes.
-            (rows(&classed.mesh, &known), measured, colors::rows(&args.mesh_file, &reader.plants, classed))
+            let materials = rows(&classed.mesh, &known);
+            let (colours, warnings) = colors::rows(&args.mesh_file, &reader.plants, classed);
+            skipped.extend(warnings);
+            (materials, measured, colours)
         }
         // What is wood is not known: the box of all there is.
         false => {

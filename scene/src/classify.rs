@@ -21,6 +21,7 @@ mod flags;
 pub mod table;
 pub mod words;
 
+use self::cards::Hue;
 use self::words::Told;
 use crate::class::MaterialClass;
 use crate::import::{
@@ -143,19 +144,29 @@ pub fn found(mesh: &Mesh, rules: &ClassRules) -> Result<Vec<Found>, ImportError>
     let evidence: Vec<Evidence> = by_itself.collect();
     let known = || {
         evidence.iter().filter_map(|evidence| match evidence {
-            Evidence::Class(known) if known.class != MaterialClass::Neither => Some(known.class),
+            Evidence::Class(known) | Evidence::Weak(known, _) if known.class != MaterialClass::Neither => {
+                Some(known.class)
+            }
             _ => None,
         })
     };
     let all_leaf = known().next().is_some() && known().all(|class| class == MaterialClass::Leaf);
+    let is_opaque = |material: &Material| material.alpha_mode == AlphaMode::Opaque;
     let is_rest = |(evidence, material): (&Evidence, &Material)| {
-        all_leaf && matches!(evidence, Evidence::Nothing) && material.alpha_mode == AlphaMode::Opaque
+        all_leaf && matches!(evidence, Evidence::Nothing) && is_opaque(material)
     };
     let rests: Vec<bool> = evidence.iter().zip(&mesh.materials).map(is_rest).collect();
-    let green = cards::are_green(mesh, &rests);
-    let resolved = evidence.iter().zip(rests).zip(green).map(|((evidence, is_rest), is_green)| match evidence {
+    let is_asked =
+        |(is_rest, evidence): (&bool, &Evidence)| *is_rest || matches!(evidence, Evidence::Weak(..));
+    let hues = cards::hues(mesh, &rests.iter().zip(&evidence).map(is_asked).collect::<Vec<_>>());
+    let of_material = rests.iter().zip(hues).zip(&mesh.materials);
+    let resolved = evidence.iter().zip(of_material).map(|(evidence, ((&is_rest, hue), material))| match evidence {
         Evidence::Unused => Found::Unused,
         Evidence::Class(known) => Found::Class(known.clone()),
+        Evidence::Weak(known, weak) => match weak.contradicted(known.class, hue, is_opaque(material)) {
+            Some(seen) => Found::Open(format!("{}, but it is {seen}", known.rule)),
+            None => Found::Class(known.clone()),
+        },
         Evidence::Foreign(word) => Found::Open(format!("{word} is no word of a plant")),
         Evidence::Both([leaf, wood]) => Found::Open(format!("its name says both '{leaf}' and '{wood}'")),
         Evidence::Card(word, cut) => Found::Open(format!(
@@ -163,8 +174,11 @@ pub fn found(mesh: &Mesh, rules: &ClassRules) -> Result<Vec<Found>, ImportError>
             100.0 * cut
         )),
         Evidence::Unsure(word) => Found::Open(format!("'{word}' in its name is not known")),
-        Evidence::Nothing if is_green => {
+        Evidence::Nothing if is_rest && hue == Hue::Green => {
             Found::Open("opaque as wood is, but green as leaves are".to_owned())
+        }
+        Evidence::Nothing if is_rest && hue == Hue::Other => {
+            Found::Open("opaque as wood is, but neither brown nor grey".to_owned())
         }
         Evidence::Nothing if is_rest => {
             let rule = "opaque, and the rest of the plant is leaf: taken as wood".to_owned();
@@ -211,6 +225,8 @@ impl Users<'_> {
 enum Evidence {
     Unused,
     Class(Classified),
+    /// A name says so, if the colour does not speak against it.
+    Weak(Classified, Weak),
     Foreign(String),
     /// A leaf word and a wood word.
     Both([String; 2]),
@@ -218,6 +234,27 @@ enum Evidence {
     Card(String, f64),
     Unsure(String),
     Nothing,
+}
+
+/// Reason why a name tells little by itself.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum Weak {
+    /// It is that of a node above the part, which may be a thing of its own: blossom below a trunk.
+    Above,
+    /// The word is said of leaves and of wood: twigs, branches.
+    Either,
+}
+
+impl Weak {
+    /// Look of a material that speaks against its class.
+    fn contradicted(self, class: MaterialClass, hue: Hue, is_opaque: bool) -> Option<&'static str> {
+        match (self, class, hue) {
+            (_, MaterialClass::Leaf, Hue::Bark) if is_opaque => Some("opaque, and brown or grey"),
+            (_, MaterialClass::Wood, Hue::Green) => Some("green"),
+            (Weak::Above, MaterialClass::Wood, Hue::Other) => Some("neither brown nor grey"),
+            _ => None,
+        }
+    }
 }
 
 /// Rules 1 to 5.
@@ -242,9 +279,12 @@ fn by_itself(users: &Users, index: usize, patterns: &Patterns) -> Evidence {
         match words::told(name) {
             Told::Class(class, word) => {
                 let cut = (class == MaterialClass::Wood).then(|| cards::cut_of_leaves(mesh, index)).flatten();
+                let is_of_either = words::is_of_either(&word);
+                let rule = format!("'{word}' in {place}");
                 return match cut {
                     Some(cut) => Evidence::Card(word, cut),
-                    None => decided(class, format!("'{word}' in {place}")),
+                    None if is_of_either => Evidence::Weak(Classified { class, rule }, Weak::Either),
+                    None => decided(class, rule),
                 };
             }
             Told::Foreign(word) => return Evidence::Foreign(format!("'{word}'")),
@@ -294,6 +334,7 @@ fn by_itself(users: &Users, index: usize, patterns: &Patterns) -> Evidence {
 /// What the names of all parts that use a material say; nothing where they differ, or where one says nothing.
 fn by_parts(users: &Users, index: usize) -> Option<Evidence> {
     let mut found: Option<(Told, &str)> = None;
+    let mut is_above = false;
     for part in users.parts(index) {
         let told = told_of_part(part)?;
         let is_same = match (&found, &told.0) {
@@ -305,12 +346,14 @@ fn by_parts(users: &Users, index: usize) -> Option<Evidence> {
         if !is_same {
             return None;
         }
+        is_above |= !part.own_names().iter().any(|name| name == told.1);
         found.get_or_insert(told);
     }
     match found? {
         (Told::Class(class, word), name) => {
             let rule = format!("'{word}' in the name of its part '{}'", quoted(name));
-            Some(Evidence::Class(Classified { class, rule }))
+            let known = Classified { class, rule };
+            Some(if is_above { Evidence::Weak(known, Weak::Above) } else { Evidence::Class(known) })
         }
         (Told::Foreign(word), name) => {
             Some(Evidence::Foreign(format!("'{word}' in the name of its part '{}'", quoted(name))))

@@ -131,6 +131,9 @@ pub fn doubts(plant: &ClassedMesh, read_as: &ImportSettings) -> Vec<Doubt> {
     let of_tiers = tiers::doubt(plant, &leaves).filter(|_| of_hull.is_none() && of_shells.is_none());
     let of_leaves = blades::doubt(plant, &leaves, &extents, read_as.unit_m)
         .filter(|_| of_size.is_none() && of_hull.is_none() && of_tiers.is_none() && !has_card(&of_parts));
+    // Large triangles of a tier are no cards.
+    let is_tiered = of_tiers.is_some();
+    let is_other = |doubt: &Doubt| !is_tiered || !matches!(doubt, Doubt::Card { .. });
     of_size
         .into_iter()
         .chain(of_leaves)
@@ -139,7 +142,7 @@ pub fn doubts(plant: &ClassedMesh, read_as: &ImportSettings) -> Vec<Doubt> {
         .chain(of_shells)
         .chain(second_sheets)
         .chain(of_walls)
-        .chain(of_parts)
+        .chain(of_parts.into_iter().filter(is_other))
         .chain(of_hull)
         .chain(of_tiers)
         .chain(on_one_spot)

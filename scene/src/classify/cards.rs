@@ -18,6 +18,11 @@ const MAX_BARK: f64 = 0.45;
 const MAX_RATIOS: [f64; 4] = [1.1, 1.2, 1.15, 5.0];
 /// Green over red and over blue, at least, of what is green.
 const MIN_GREEN: f32 = 1.2;
+/// Least over largest of red, green and blue in what is white or light grey, which programs write where a material has
+/// no colour.
+const GREY: f32 = 0.9;
+/// Least blue over green of bark that leaves in autumn have not.
+const MIN_BLUE: f32 = 0.3;
 /// Triangles that are looked at, and points of each.
 const LOOKED_AT: usize = 1024;
 const POINTS: u32 = 16;
@@ -50,15 +55,45 @@ pub(super) fn cut_of_leaves(mesh: &Mesh, material: usize) -> Option<f64> {
     (left > 0.0 && left < (1.0 - MIN_CUT) * all && !is_of_bark(sum / left)).then(|| 1.0 - left / all)
 }
 
-/// Per material, whether it is `asked` for and green in the mean, alpha left aside.
-pub(super) fn are_green(mesh: &Mesh, asked: &[bool]) -> Vec<bool> {
+/// Colour of a material, as far as it tells leaf from wood.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum Hue {
+    /// White, light grey or a dull yellow, or not asked for: it tells nothing.
+    Unclear,
+    /// Brown or grey.
+    Bark,
+    /// Green.
+    Green,
+    /// Of flowers, fruit, pots, and of leaves in autumn.
+    Other,
+}
+
+/// Per material, the hue of what alpha leaves in the mean, where it is `asked` for.
+pub(super) fn hues(mesh: &Mesh, asked: &[bool]) -> Vec<Hue> {
     if !asked.contains(&true) {
-        return vec![false; asked.len()];
+        return vec![Hue::Unclear; asked.len()];
     }
-    let seen = |&is_asked: &bool| if is_asked { Coverage::Full } else { Coverage::Nothing };
-    let colors = mean_colors(mesh, &asked.iter().map(seen).collect::<Vec<_>>());
-    let is_green = |color: Vec3| color.y > 0.0 && color.y >= MIN_GREEN * color.x.max(color.z);
-    asked.iter().zip(colors).map(|(&is_asked, color)| is_asked && is_green(color)).collect()
+    let seen = |(material, &is_asked): (usize, &bool)| match is_asked {
+        true => Coverage::of(mesh, material).unwrap_or(Coverage::Full),
+        false => Coverage::Nothing,
+    };
+    let colors = mean_colors(mesh, &asked.iter().enumerate().map(seen).collect::<Vec<_>>());
+    let hue = |color: Vec3| match color {
+        color
+            if color.max_element() > MAX_BARK as f32 && color.min_element() >= GREY * color.max_element() =>
+        {
+            Hue::Unclear
+        }
+        color if color.y > 0.0 && color.y >= MIN_GREEN * color.x.max(color.z) => Hue::Green,
+        color if is_of_bark(color.as_dvec3()) && color.z < MIN_BLUE * color.y => Hue::Unclear,
+        color if is_of_bark(color.as_dvec3()) => Hue::Bark,
+        _ => Hue::Other,
+    };
+    asked
+        .iter()
+        .zip(colors)
+        .map(|(&is_asked, color)| if is_asked { hue(color) } else { Hue::Unclear })
+        .collect()
 }
 
 /// Whether a linear colour can be that of bark: grey or brown, and not white. Leaves and blossom are green, bluish,

@@ -207,6 +207,57 @@ fn an_opaque_rest_is_wood_unless_it_is_green() {
     }
     let error = of([0.08, 0.3, 0.04]).unwrap_err().to_string();
     assert!(error.contains("opaque as wood is, but green as leaves are"), "{error}");
+    // A tulip, a lemon, a hydrangea.
+    for color in [[0.6, 0.02, 0.03], [0.8, 0.6, 0.05], [0.15, 0.2, 0.7]] {
+        let error = of(color).unwrap_err().to_string();
+        assert!(error.contains("opaque as wood is, but neither brown nor grey"), "{color:?}: {error}");
+    }
+}
+
+#[test]
+fn words_of_twigs_and_branches_are_held_against_the_color() {
+    let of = |name: &str, color: [f32; 3]| {
+        let mut plant = mesh(&["leaves", name]);
+        plant.materials[1].base_color = [color[0], color[1], color[2], 1.0];
+        classify(&plant, &ClassRules::default())
+            .map(|found| found[1].class)
+            .map_err(|error| error.to_string())
+    };
+    let (brown, green) = ([0.25, 0.15, 0.08], [0.08, 0.3, 0.04]);
+    assert!(of("twigs", brown).is_err_and(|error| error.contains("but it is opaque, and brown or grey")));
+    assert!(of("fir_branch", green).is_err_and(|error| error.contains("but it is green")));
+    assert_eq!(of("Zweige", green).ok(), Some(Leaf));
+    assert_eq!(of("Twig", [0.18, 0.16, 0.03]).ok(), Some(Leaf), "a yellow maple");
+    assert_eq!(of("branches", brown).ok(), Some(Wood));
+    assert_eq!(of("branches", [1.0; 3]).ok(), Some(Wood), "white says nothing");
+    assert_eq!(of("Stem", green).ok(), Some(Wood), "stems are green");
+}
+
+#[test]
+fn nodes_above_a_part_have_no_word_against_its_color() {
+    let of = |names: &[&str], color: [f32; 3]| {
+        let mut plant = mesh(&["leaves", "Material.002"]);
+        plant.materials[1].base_color = [color[0], color[1], color[2], 1.0];
+        plant.parts = vec![part(&["Leaves"], 0), part(names, 1)];
+        classify(&plant, &ClassRules::default())
+            .map(|found| found[1].class)
+            .map_err(|error| error.to_string())
+    };
+    let (brown, green, red) = ([0.25, 0.15, 0.08], [0.08, 0.3, 0.04], [0.6, 0.02, 0.03]);
+    let below = ["Cube", "Cube.001", "Trunk"];
+    assert_eq!(of(&below, brown).ok(), Some(Wood));
+    assert!(of(&below, green).is_err_and(|error| error.contains("'Trunk', but it is green")));
+    assert!(of(&below, red).is_err_and(|error| error.contains("but it is neither brown nor grey")));
+    assert_eq!(of(&["Trunk", "Tree"], green).ok(), Some(Wood), "its own name says enough");
+    let flower = ["Cube", "Cube.001", "Flower"];
+    assert_eq!(of(&flower, red).ok(), Some(Leaf));
+    assert!(of(&flower, brown).is_err_and(|error| error.contains("opaque, and brown or grey")));
+    // The first node of a file is no root of a plant.
+    for root in ["root", "RootNode", "GLTF_SceneRootNode", "Armature_rootJoint"] {
+        let found = of(&["Object_4", root], green);
+        assert!(found.is_err_and(|error| error.contains("green as leaves")), "{root}");
+    }
+    assert_eq!(of(&["roots", "Oak"], brown).ok(), Some(Wood));
 }
 
 #[test]
@@ -238,10 +289,10 @@ fn cards_of_wood_without_a_color_of_bark_are_open() {
         let error = of(6, color).unwrap_err().to_string();
         assert!(error.contains("'branches' in its name is of wood, but alpha cuts"), "{color:?}: {error}");
     }
-    // Bare twigs: brown, grey, bluish grey, red-brown, black; and green that is hardly cut.
-    let bare =
-        [[89, 70, 63], [150, 145, 140], [130, 132, 135], [120, 60, 40], [0; 3]].map(|color| (6, color));
-    for (cut, color) in bare.into_iter().chain([(2, [89, 149, 63])]) {
-        assert_eq!(of(cut, color).unwrap()[1].class, Wood, "{cut} {color:?}");
+    // Bare twigs: brown, grey, bluish grey, red-brown, black.
+    for color in [[89, 70, 63], [150, 145, 140], [130, 132, 135], [120, 60, 40], [0; 3]] {
+        assert_eq!(of(6, color).unwrap()[1].class, Wood, "{color:?}");
     }
+    let error = of(2, [89, 149, 63]).unwrap_err().to_string();
+    assert!(error.contains("'branches' in its name, but it is green"), "{error}");
 }

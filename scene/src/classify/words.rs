@@ -15,8 +15,8 @@ use std::collections::HashMap;
 use std::sync::LazyLock;
 
 use lists::{
-    AND, ATLASES, COVERS, FLOWERS, FOREIGN, FOREIGN_WITHIN, GROWN, LEAF, LEAF_WITHIN, LEAVES, NEUTRAL, OF,
-    PLURALS, STAND_INS, STAND_INS_WITHIN, TRUNKS, WOOD, WOOD_WITHIN,
+    AND, ATLASES, BRANCHES, COVERS, FLOWERS, FOREIGN, FOREIGN_WITHIN, GROWN, LEAF, LEAF_WITHIN, LEAVES,
+    NEUTRAL, OF, PLURALS, ROOTS, STAND_INS, STAND_INS_WITHIN, TRUNKS, TWIGS, WOOD, WOOD_WITHIN,
 };
 use unicode_normalization::UnicodeNormalization;
 
@@ -86,6 +86,18 @@ pub(crate) fn is_flower(name: &str) -> bool {
         }
         _ => false,
     }
+}
+
+/// Whether a word of leaf is said of bare wood, too, or one of wood of cards of leaves.
+pub(crate) fn is_of_either(word: &str) -> bool {
+    is_in(TWIGS, word) || is_in(BRANCHES, word)
+}
+
+/// Whether a name is that of the first node of a file, and no root of a plant: `RootNode`, `GLTF_SceneRootNode`.
+pub(crate) fn is_first_node(name: &str) -> bool {
+    let parts = parts_of_name(name);
+    parts.iter().any(|part| part == "root" || part == "rootnode")
+        && parts.iter().all(|part| is_neutral(part) || is_in(ROOTS, part) || part == "rootnode")
 }
 
 /// Whether a word of a class says that and nothing else: leaves, or a trunk. A branch may be a card of leaves.
@@ -158,7 +170,8 @@ fn both(parts: &[String], class: MaterialClass) -> Option<Told> {
     None
 }
 
-fn parts_of_name(name: &str) -> Vec<String> {
+/// Words of a name, in lower case, without digits: parted by other characters and where case changes.
+pub(crate) fn parts_of_name(name: &str) -> Vec<String> {
     // Some systems write an umlaut as a letter and a mark.
     parts_of(&name.nfc().collect::<String>())
 }
@@ -414,7 +427,7 @@ mod tests {
 
     #[test]
     fn words_are_written_as_parts_are() {
-        for word in [LEAF, WOOD, FOREIGN, NEUTRAL, PLURALS, STAND_INS, LEAVES, TRUNKS]
+        for word in [LEAF, WOOD, FOREIGN, NEUTRAL, PLURALS, ROOTS, STAND_INS, LEAVES, TRUNKS]
             .iter()
             .flat_map(|list| list.split_whitespace())
         {

@@ -13,6 +13,7 @@ use super::points::on_surface;
 use super::rules::{ColorRules, ColorSource};
 use crate::alpha::Coverage;
 use crate::classify::words::is_flower;
+use crate::import::{told_of_material, told_of_part};
 use crate::leaf::{Bands, LeafModel};
 use crate::mesh::{Image, Material};
 use crate::{MaterialClass, Mesh};
@@ -88,6 +89,7 @@ pub fn resolve(mesh: &Mesh, classes: &[MaterialClass], measured: &Surfaces, rule
     let mut found = vec![Found::default(); mesh.materials.len()];
     on_surface(mesh, &coverage, |material, color, share| found[material].add(color.as_dvec3(), share));
     found.iter_mut().for_each(Found::end);
+    found.iter_mut().zip(are_flowers(mesh)).for_each(|(found, is_flower)| found.is_flower = is_flower);
     let colors = color_bands(measured.bands.iter().map(|band| band.name.as_str()));
     let places = colors.unwrap_or(BY_PLACE);
 
@@ -145,6 +147,8 @@ pub fn resolve(mesh: &Mesh, classes: &[MaterialClass], measured: &Surfaces, rule
 struct Found {
     color: DVec3,
     area_m2: f64,
+    /// Whether a name tells that it is a flower.
+    is_flower: bool,
 }
 
 impl Found {
@@ -158,6 +162,24 @@ impl Found {
             self.color /= self.area_m2;
         }
     }
+}
+
+/// Which materials are flowers: by their names, else by those of all parts that use them.
+fn are_flowers(mesh: &Mesh) -> Vec<bool> {
+    let mut by_parts = vec![None; mesh.materials.len()];
+    for part in &mesh.parts {
+        let is_flower = told_of_part(part).is_some_and(|(_, name)| is_flower(name));
+        for used in &part.uses {
+            let slot = &mut by_parts[used.material as usize];
+            *slot = Some(slot.unwrap_or(true) && is_flower);
+        }
+    }
+    let of = |(material, by_parts): (&Material, Option<bool>)| match told_of_material(&mesh.images, material)
+    {
+        Some(_) => is_flower(&material.name),
+        None => by_parts == Some(true),
+    };
+    mesh.materials.iter().zip(by_parts).map(of).collect()
 }
 
 /// What was decided of a material.
@@ -189,8 +211,9 @@ impl Decision {
         let (has_colors, places) = (colors.is_some(), colors.unwrap_or(BY_PLACE));
         let reflected = |color: usize| measured.get(places[color]).map_or(0.0, |shares| shares.reflectance);
         let is_white = material.base_color[..3] == [1.0; 3] && found.color == DVec3::ONE;
-        let is_colored = material.color_texture.is_some() || !is_white;
-        let is_flower = is_leaf && is_flower(&material.name);
+        // Who measured these petals knows better.
+        let is_flower = is_leaf && found.is_flower && rules.set(&material.name).is_none();
+        let is_colored = material.color_texture.is_some() || !is_white || is_flower;
         let image = material.color_texture.and_then(|texture| images.get(texture.image as usize));
         let has_picture = image.is_some_and(|image| image.width > 1 || image.height > 1);
         let texture = (is_colored && found.area_m2 > 0.0).then_some(found.color);
@@ -213,15 +236,7 @@ impl Decision {
                 warning = Some(format!("{origin}: {found}, expected {expected}; taking the measured colour"));
                 (Texel::Tint, "no colour of its own".to_owned(), false)
             }
-            (None, None) => {
-                if is_flower && has_colors && found.area_m2 > 0.0 {
-                    warning = Some(
-                        "its name is a flower's, and it has no colour; taking that of measured leaves"
-                            .to_owned(),
-                    );
-                }
-                (Texel::Tint, "no colour of its own".to_owned(), false)
-            }
+            (None, None) => (Texel::Tint, "no colour of its own".to_owned(), false),
             (None, Some(_)) if !has_colors => (Texel::Tint, "its bands are no colours".to_owned(), false),
             (None, Some(mean)) => {
                 let judge = if is_leaf { Evidence::of } else { Evidence::of_wood };

@@ -1,4 +1,4 @@
-//! Whether leaves are larger than those of plants: of a mesh that states no unit, its leaves may tell.
+//! Whether leaves are larger or smaller than those of plants: of a mesh that states no unit, its leaves may tell.
 
 use super::leaves::Leaves;
 use super::{Doubt, Extents};
@@ -12,6 +12,12 @@ const MAX_M: f64 = 3.0;
 /// The same of a plant whose leaves are longer than [`OF_PLANT`] of it, as a palm's fronds are.
 const MAX_OF_PALMS_M: f64 = 8.0;
 const OF_PLANT: f64 = 0.3;
+/// Shortest leaves that are not doubted, metres, of a plant so many times as long: shorter ones are scales of mosses,
+/// which are no larger themselves, and of heath, which no one models one by one.
+const MIN_M: f64 = 1.5e-3;
+const OF_LEAF: f64 = 50.0;
+/// Plants whose leaves may be too short are no longer than this, metres.
+const MAX_SMALL_M: f64 = 0.6;
 /// Leaves whose triangles have shorter edges are many leaves that hold together.
 const MIN_EDGE_M: f64 = 0.5;
 
@@ -23,8 +29,9 @@ pub(super) fn doubt(
     unit_m: Option<f64>,
 ) -> Option<Doubt> {
     let longest_m = extents.longest_m();
-    // Most plants are shorter than a leaf that is doubted, and need no look.
-    if longest_m <= MAX_M {
+    // Most plants are shorter than a leaf that is too long, and longer than those whose leaves are too short.
+    let is_small = longest_m <= MAX_SMALL_M;
+    if longest_m <= MAX_M && !is_small {
         return None;
     }
     let count = leaves.blades.iter().max().map_or(0, |last| *last as usize + 1);
@@ -47,6 +54,10 @@ pub(super) fn doubt(
     let length = |[low, high]: &[[f64; 3]; 2]| (0..3).map(|axis| high[axis] - low[axis]).fold(0.0, f64::max);
     let lengths = boxes.iter().map(length).zip(areas_m2).collect();
     let (length_m, edge_m) = (median(lengths)?, median(edges)?);
+    if is_small {
+        let is_short = length_m < MIN_M && OF_LEAF * length_m < longest_m;
+        return is_short.then(|| Doubt::LeafSize { length_m, expected_m: [MIN_M, MAX_M], units: Vec::new() });
+    }
     let most_m = if length_m > OF_PLANT * longest_m { MAX_OF_PALMS_M } else { MAX_M };
     if length_m <= most_m || edge_m < MIN_EDGE_M {
         return None;
@@ -54,7 +65,7 @@ pub(super) fn doubt(
     let per_m = length_m / unit_m.unwrap_or(1.0);
     let would_be = UNITS.map(|(unit, unit_m)| (unit, per_m * unit_m));
     let units = would_be.into_iter().filter(|(_, length_m)| (1e-3..MAX_M).contains(length_m)).collect();
-    Some(Doubt::LeafSize { length_m, most_m, units })
+    Some(Doubt::LeafSize { length_m, expected_m: [MIN_M, most_m], units })
 }
 
 /// The value of which half of the weight is of smaller ones; `None` where there is none.
@@ -105,8 +116,12 @@ mod tests {
             }
             other => panic!("{other:?}"),
         }
-        // A tree with cards of its twigs, a banana, a palm, and herbs.
-        for (height, leaf) in [(30.0, 2.0), (4.0, 2.7), (9.0, 5.0), (0.3, 0.1), (1.0, 0.6)] {
+        // A tree of 13 m, centimetres taken for metres once too often.
+        assert!(matches!(found(0.13, 0.0012), Some(Doubt::LeafSize { .. })));
+        // A tree with cards of its twigs, a banana, a palm, and herbs; moss and thyme.
+        let right =
+            [(30.0, 2.0), (4.0, 2.7), (9.0, 5.0), (0.3, 0.1), (1.0, 0.6), (0.04, 0.002), (0.2, 0.005)];
+        for (height, leaf) in right {
             assert_eq!(found(height, leaf), None, "{height} {leaf}");
         }
     }

@@ -19,12 +19,12 @@ pub enum Doubt {
         /// Units of the file under which it would be usual, and its longest edge then, metres.
         units: Vec<(&'static str, f64)>,
     },
-    /// Half of the leaf area is of leaves that are longer than those of plants.
+    /// Half of the leaf area is of leaves that are longer, or shorter, than those of plants.
     LeafSize {
         /// Length of these leaves, metres.
         length_m: f64,
-        /// Longest leaves that are expected, metres.
-        most_m: f64,
+        /// Shortest and longest leaves that are expected, metres.
+        expected_m: [f64; 2],
         /// Units of the file under which they would be usual, and their length then, metres.
         units: Vec<(&'static str, f64)>,
     },
@@ -235,13 +235,17 @@ impl Display for Doubt {
                 let [low, high] = USUAL_M.map(number);
                 write!(f, "the plant's longest edge is {} m, expected {low} to {high} m", number(*longest_m))
             }
-            Doubt::LeafSize { length_m, most_m, .. } => write!(
-                f,
-                "half of the leaf area is leaves of {} m and more, expected up to {} m: the unit may be another one, or \
-                 cards stand for much of the plant",
-                number(*length_m),
-                number(*most_m)
-            ),
+            Doubt::LeafSize { length_m, expected_m: [least, most], .. } => {
+                let [length, least, longest] = [*length_m, *least, *most].map(number);
+                let (found, or) = match length_m > most {
+                    true => (format!("{length} m long or longer"), ", or cards stand for much of the plant"),
+                    false => (format!("{length} m long or shorter"), ""),
+                };
+                write!(
+                    f,
+                    "half of the leaf area is leaves {found}, expected {least} to {longest} m: the unit may be another one{or}"
+                )
+            }
             Doubt::Foot { at, .. } => {
                 let (at, bottom) = (at.name(), Side::BOTTOM.name());
                 write!(
@@ -270,8 +274,8 @@ impl Display for Doubt {
             }
             Doubt::WoodInWood { share } => write!(
                 f,
-                "{:.0} % of the wood has other wood right under it, as a plant has that is there twice, expected one \
-                 trunk: two levels of detail may be joined",
+                "{:.0} % of the wood has other wood right under it, expected solid wood: the plant may be there twice, \
+                 two levels of detail may be joined, or an inner wall may face outwards",
                 100.0 * share
             ),
             Doubt::NoWood => write!(f, "the plant has leaves and no wood: no material is taken for wood"),
@@ -332,8 +336,13 @@ impl Display for Doubt {
             ),
             Doubt::Tiers { count, share } => write!(
                 f,
-                "{count} cones or bowls about the trunk are {:.0} % of the leaf area, as in firs of games, expected \
-                 single leaves: no light is found between leaves that are not there",
+                "{count} {} {:.0} % of the leaf area, as in trees of games, expected single leaves: no \
+                 light is found between leaves that are not there",
+                if *count == 1 {
+                    "cone or bowl about the trunk is"
+                } else {
+                    "cones or bowls about the trunk are"
+                },
                 100.0 * share
             ),
             Doubt::Scales { leaf_m, wood_m } => write!(

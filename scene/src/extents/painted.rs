@@ -44,6 +44,10 @@ const MAX_SAME: f64 = 0.6;
 /// Share of the vertices of which each channel is the strongest where they are of all hues: leaves that are painted,
 /// from green to red in autumn, are hardly blue; of random numbers a fifth is.
 const MIN_STRONGEST: f64 = 0.1;
+/// Least red of red leaves: data run down to none.
+const MIN_RED: f64 = 0.3;
+/// Least over strongest channel, in the mean, of pale tints: of random numbers it is a third.
+const MIN_PALE: f64 = 0.45;
 /// How much the strongest channel is above the next one.
 const STRONGER: f64 = 1.25;
 
@@ -70,13 +74,20 @@ struct Sums {
     light: [f64; 3],
     /// Vertices of which each is the strongest.
     strongest: [f64; 3],
+    /// Of the least of the three over the strongest.
+    paleness: f64,
+    /// Least of red that any vertex has.
+    least_red: f64,
 }
 
 impl Sums {
     fn add(&mut self, color: [f32; 3]) {
         let color = color.map(f64::from);
         self.count += 1.0;
-        self.brightest += color.into_iter().fold(0.0, f64::max);
+        let brightest = color.into_iter().fold(0.0, f64::max);
+        self.brightest += brightest;
+        self.paleness += color.into_iter().fold(f64::INFINITY, f64::min) / brightest.max(f64::MIN_POSITIVE);
+        self.least_red = if self.count > 1.0 { self.least_red.min(color[0]) } else { color[0] };
         for channel in 0..3 {
             let others = color[(channel + 1) % 3].max(color[(channel + 2) % 3]);
             self.light[channel] += color[channel];
@@ -84,7 +95,8 @@ impl Sums {
         }
     }
 
-    fn look(&self) -> Option<Painted> {
+    /// `is_blend`: whether they are blends of two colours, as those of autumn are.
+    fn look(&self, is_blend: bool) -> Option<Painted> {
         if self.count == 0.0 {
             return None;
         }
@@ -93,10 +105,14 @@ impl Sums {
         }
         let all: f64 = self.light.iter().sum();
         if self.light.iter().any(|light| *light > MIN_ALONE * all) {
-            return Some(Painted::OneChannel);
+            return (self.light[0] <= MIN_ALONE * all || self.least_red < MIN_RED)
+                .then_some(Painted::OneChannel);
         }
         if self.light.iter().any(|light| *light <= MAX_LACKING * all) {
-            return Some(Painted::TwoChannels);
+            return (!is_blend || self.light[2] > MAX_LACKING * all).then_some(Painted::TwoChannels);
+        }
+        if self.paleness > MIN_PALE * self.count {
+            return None;
         }
         let is_often = |strongest: &f64| *strongest >= MIN_STRONGEST * self.count;
         self.strongest.iter().all(is_often).then_some(Painted::AllHues)
@@ -123,8 +139,9 @@ pub(super) fn doubts(plant: &ClassedMesh, triangles: &[Vec<u32>]) -> Vec<Doubt> 
         for vertex in triangles.iter().flat_map(|&triangle| mesh.triangles[triangle as usize]) {
             sums.add(mesh.colors[vertex as usize]);
         }
-        let look = sums.look().or_else(|| repeat(mesh, material, triangles));
-        let look = look.or_else(|| weights::look(mesh, triangles))?;
+        let moments = weights::Moments::of(mesh, triangles);
+        let look = sums.look(moments.is_blend()).or_else(|| repeat(mesh, material, triangles));
+        let look = look.or_else(|| weights::look(mesh, triangles, &moments))?;
         Some(Doubt::VertexColors { material: material.name.clone(), look })
     };
     mesh.materials.iter().zip(triangles).filter_map(doubt).collect()

@@ -340,7 +340,11 @@ fn levels_of_detail_beside_each_other_are_a_doubt_that_names_them() {
     plant.mesh.parts = other;
     assert_eq!(all_found(&plant, Up::Y), [], "twigs of one plant, the lower and the higher ones");
     plant.mesh.parts = same;
+    assert_eq!(all_found(&plant, Up::Y), [], "storeys that overlap");
+    plant.mesh.parts[0].uses[0].triangles /= 2;
     assert_eq!(levels(&plant), ["Twigs_High", "Twigs_Low"]);
+    plant.mesh.parts[0].names = vec!["TwigsLow".to_owned()];
+    assert_eq!(levels(&plant), ["Twigs_High", "TwigsLow"]);
     plant.mesh.parts = vec![part(&plant, &["Elm_Summer"], 0..count), part(&plant, &["elm-autumn"], 0..count)];
     assert_eq!(levels(&plant), ["elm-autumn", "Elm_Summer"], "two seasons");
     plant.mesh.parts = vec![part(&plant, &["a"], 0..count), part(&plant, &["b"], 0..count)];

@@ -23,6 +23,11 @@ const MIN_OUTWARDS: f64 = 0.9;
 /// Tiers are so many, and so much of the leaf area.
 const MIN_TIERS: usize = 2;
 const MIN_SHARE: f64 = 0.25;
+/// One tier alone is this share of the leaf area, and the crown so high, metres.
+const MIN_SINGLE: f64 = 0.5;
+const MIN_SINGLE_M: f64 = 1.0;
+/// A tier is narrower than this share of the one below.
+const MAX_OF_LOWER: f64 = 0.98;
 
 /// Triangles that hold together.
 #[derive(Clone, Copy)]
@@ -94,10 +99,17 @@ pub(super) fn doubt(plant: &ClassedMesh, leaves: &Leaves) -> Option<Doubt> {
             && *leaning_m2 >= MIN_LEANING * sheet.area_m2
             && *outwards_m2 >= MIN_OUTWARDS * leaning_m2
     };
-    let tiers: Vec<&Sheet> = sheets.iter().zip(leaning_m2).filter(is_tier).map(|(sheet, _)| sheet).collect();
+    let mut tiers: Vec<&Sheet> =
+        sheets.iter().zip(leaning_m2).filter(is_tier).map(|(sheet, _)| sheet).collect();
+    // A fir narrows upwards; bells and funnels of a herb are as wide as each other.
+    tiers.sort_by(|a, b| a.high.y.total_cmp(&b.high.y));
+    let width = |tier: &&Sheet| (tier.high.x - tier.low.x).max(tier.high.z - tier.low.z);
+    let narrows = tiers.windows(2).all(|pair| width(&pair[1]) < MAX_OF_LOWER * width(&pair[0]));
+    let is_tall = high.y - low.y >= MIN_SINGLE_M;
     let share = tiers.iter().map(|tier| tier.area_m2).sum::<f64>() / leaf_m2;
-    (tiers.len() >= MIN_TIERS && share >= MIN_SHARE)
-        .then_some(Doubt::Tiers { count: tiers.len() as u64, share })
+    let is_single = tiers.len() == 1 && is_tall && share >= MIN_SINGLE;
+    let are_several = tiers.len() >= MIN_TIERS && narrows && share >= MIN_SHARE;
+    (is_single || are_several).then_some(Doubt::Tiers { count: tiers.len() as u64, share })
 }
 
 fn over_ground(v: DVec3) -> DVec3 {
@@ -135,6 +147,9 @@ mod tests {
             Some(Doubt::Tiers { count, share, .. }) => assert!(count == 3 && (share - 1.0).abs() < 1e-9),
             other => panic!("{other:?}"),
         }
+        assert!(matches!(found(&[cone(0.0, 2.0, 1.2)]), Some(Doubt::Tiers { count: 1, .. })));
+        let bells = [cone(0.0, 2.0, 0.4), cone(0.0, 3.0, 0.4)];
+        assert_eq!(found(&bells), None);
         // Leaves shaped as cones, here and there.
         let herbs: Vec<Triangles> = (0..9).map(|at| cone(0.5 * at as f32, 1.0, 0.2)).collect();
         assert_eq!(found(&herbs), None);

@@ -7,6 +7,7 @@ use flb_format::meta::Bounds;
 
 use super::plan::{MAX_FOOT, middle, over_ground, width};
 use super::{Doubt, Extents, alpha, card, number, painted, plan};
+use crate::classify::words::parts_of_name;
 use crate::import::area;
 use crate::mesh::{Part, around};
 use crate::{ClassedMesh, MaterialClass};
@@ -25,6 +26,8 @@ const LIKE_BOX: f64 = 0.15;
 const AS_HIGH: f64 = 0.3;
 /// One level has so many times the triangles of the next.
 const FEWER: f64 = 1.5;
+/// The same where names tell levels.
+const SOME_FEWER: f64 = 1.1;
 /// Parts that are a plant each are so high at least, as a share of the height of all..
 const MIN_HEIGHT: f64 = 0.5;
 /// ..and have their middles so many widths apart. Stems of one shrub stand nearer to each other.
@@ -119,9 +122,19 @@ fn levels(plant: &ClassedMesh, extents: &Extents) -> Option<Doubt> {
 fn are_levels(by_level: &BTreeMap<String, Vec<&Part>>) -> bool {
     let is_number = |level: &String| !level.is_empty() && level.bytes().all(|byte| byte.is_ascii_digit());
     let box_of = |level: &Vec<&Part>| level.iter().filter_map(|part| part.bounds_m()).reduce(around);
-    let boxes: Vec<Bounds> = by_level.values().filter_map(box_of).collect();
-    let is_level = |(at, a): (usize, &Bounds)| boxes[at + 1..].iter().any(|b| are_as_high(a, b));
-    by_level.keys().any(is_number) || boxes.iter().enumerate().any(is_level)
+    let triangles = |level: &Vec<&Part>| {
+        level.iter().flat_map(|part| &part.uses).map(|used| used.triangles).sum::<u64>() as f64
+    };
+    // Storeys that are called high and low may overlap; a lower level has fewer triangles.
+    let is_season = |level: &String| SEASONS.split_whitespace().any(|known| known == level);
+    let any_count = by_level.keys().any(is_season);
+    let of_level = |level: &Vec<&Part>| Some((box_of(level)?, triangles(level)));
+    let all: Vec<(Bounds, f64)> = by_level.values().filter_map(of_level).collect();
+    let is_level = |(at, (a, of_a)): (usize, &(Bounds, f64))| {
+        let differs = |of_b: f64| any_count || of_a.max(of_b) >= SOME_FEWER * of_a.min(of_b);
+        all[at + 1..].iter().any(|(b, of_b)| are_as_high(a, b) && differs(*of_b))
+    };
+    by_level.keys().any(is_number) || all.iter().enumerate().any(is_level)
 }
 
 /// Words of a level of detail.
@@ -142,7 +155,7 @@ fn level_of(name: &str) -> Option<(String, String)> {
             return Some((format!("{before}{}", &rest[digits..]), rest[..digits].to_owned()));
         }
     }
-    without(&lower, QUALITIES)
+    without(name, QUALITIES)
 }
 
 /// Words of a season. Materials of two seasons may be mixed in one crown; parts are one or the other.
@@ -153,16 +166,16 @@ const SEASONS: &str = "
 
 /// What a name says without its season, and that season: `leaves`, `autumn` of `Leaves_Autumn`.
 fn season_of(name: &str) -> Option<(String, String)> {
-    let lower = name.to_lowercase();
-    without(&lower, SEASONS)
+    without(name, SEASONS)
 }
 
 /// A name's words without the last that is listed, and that one.
-fn without(lower: &str, listed: &str) -> Option<(String, String)> {
-    let words: Vec<&str> = lower.split(['_', '-', '.', ' ']).collect();
-    let at = words.iter().rposition(|word| listed.split_whitespace().any(|known| known == *word))?;
-    let stem: Vec<&str> = words.iter().enumerate().filter(|(i, _)| *i != at).map(|(_, word)| *word).collect();
-    Some((stem.join("_"), words[at].to_owned()))
+fn without(name: &str, listed: &str) -> Option<(String, String)> {
+    let words = parts_of_name(name);
+    let at = words.iter().rposition(|word| listed.split_whitespace().any(|known| known == word))?;
+    let stem: Vec<&str> =
+        words.iter().enumerate().filter(|(i, _)| *i != at).map(|(_, word)| word.as_str()).collect();
+    Some((stem.join("_"), words[at].clone()))
 }
 
 /// Whether two parts of the same materials have one box, and clearly different numbers of triangles.

@@ -1,7 +1,7 @@
 //! Parts that are no part of the plant, by the names of their nodes or groups, whatever material they borrow: the hull
 //! of a trunk that wears its bark, a pot of bark, a ground of grass.
 
-use crate::classify::words::{Told, stand_in, told};
+use crate::classify::words::{Told, is_first_node, stand_in, told};
 use crate::mesh::{Image, Material, Part};
 
 /// Reads the evidence of the names of a material and of its texture, if they say what it is.
@@ -18,10 +18,11 @@ pub(crate) fn told_of_material(images: &[Image], material: &Material) -> Option<
 }
 
 /// Reads the evidence of the names of a part, and the name that gives it: what stands beside a plant by any of them,
-/// then its own name before those of what it is a part of.
+/// then its own name before those of what it is a part of. The first node of a file (`RootNode`) is no root of a plant.
 pub fn told_of_part(part: &Part) -> Option<(Told, &str)> {
     let beside = part.names.iter().find_map(|name| Some((Told::Foreign(stand_in(name)?), name.as_str())));
-    let mut told = part.names.iter().map(|name| (told(name), name.as_str()));
+    let said = part.names.iter().filter(|name| !is_first_node(name));
+    let mut told = said.map(|name| (told(name), name.as_str()));
     beside.or_else(|| told.find(|(told, _)| matches!(told, Told::Class(..) | Told::Foreign(_))))
 }
 

@@ -18,6 +18,21 @@ pub(super) const FLOWERS: &str = "
     flores petalo petali petalos pétale pétales
 ";
 
+/// Words of leaf that are said of bare wood, too.
+pub(super) const TWIGS: &str = "twig twigs zweig zweige";
+
+/// Words of wood that are said of cards of leaves, too.
+pub(super) const BRANCHES: &str = "
+    branch branches bough boughs ast aeste äste branche ramo rami rama ramas galho galhos tak takken gren grenar gałąź
+    vetev větev
+";
+
+/// Words beside `root` in names that exporters give to the first node of a file.
+pub(super) const ROOTS: &str = "
+    root node scene gltf fbx obj joint model object sketchfab armature rig skeleton group null empty dummy bone world
+    transform parent main default tree plant
+";
+
 /// Wood, as whole parts of a name.
 pub(super) const WOOD: &str = "
     bark trunk trunks branch branches bough boughs limb limbs stem stems stalk stalks wood log logs stump root

@@ -12,21 +12,15 @@ const MIN_RUNNING: f64 = 0.6;
 const MIN_BLADES: usize = 8;
 /// Least correlation of a channel with the height.
 const MIN_OF_HEIGHT: f64 = 0.98;
-/// Two channels are one, as in shades of grey, where their correlation is this.
+/// Two channels are one, rising or falling together, where their correlation is this at least, either way.
 const MIN_ONE: f64 = 0.9;
+/// A channel that changes by less, as a standard deviation, is the same everywhere.
+const SAME: f64 = 0.02;
 
 /// Kind of weights that colours of the vertices of these triangles look like.
-pub(super) fn look(mesh: &Mesh, triangles: &[u32]) -> Option<Painted> {
-    let corners = || triangles.iter().flat_map(|&triangle| mesh.triangles[triangle as usize]);
-    let of = |vertex: u32, channel: usize| f64::from(mesh.colors[vertex as usize][channel]);
-    // Height, red, green, blue.
-    let values = corners().map(|vertex| {
-        let height = f64::from(mesh.positions[vertex as usize][1]);
-        [height, of(vertex, 0), of(vertex, 1), of(vertex, 2)]
-    });
-    let moments = Moments::of(values);
-    let is_grey = [[1, 2], [2, 3], [3, 1]].iter().all(|[a, b]| moments.correlation(*a, *b) > MIN_ONE);
-    if is_grey {
+pub(super) fn look(mesh: &Mesh, triangles: &[u32], moments: &Moments) -> Option<Painted> {
+    // Blends of two colours are tints, from the root to the tip or from below to above; so are shades of grey.
+    if moments.is_blend() {
         return None;
     }
     let follows = |channel: &usize| {
@@ -62,7 +56,7 @@ fn runs(mesh: &Mesh, triangles: &[u32]) -> bool {
 }
 
 /// Sums over corners: of height, red, green and blue.
-struct Moments {
+pub(super) struct Moments {
     count: f64,
     sum: [f64; 4],
     products: [[f64; 4]; 4],
@@ -71,7 +65,12 @@ struct Moments {
 }
 
 impl Moments {
-    fn of(values: impl Iterator<Item = [f64; 4]>) -> Moments {
+    pub(super) fn of(mesh: &Mesh, triangles: &[u32]) -> Moments {
+        let corners = triangles.iter().flat_map(|&triangle| mesh.triangles[triangle as usize]);
+        let values = corners.map(|vertex| {
+            let [red, green, blue] = mesh.colors[vertex as usize].map(f64::from);
+            [f64::from(mesh.positions[vertex as usize][1]), red, green, blue]
+        });
         let mut sums = Moments {
             count: 0.0,
             sum: [0.0; 4],
@@ -91,6 +90,24 @@ impl Moments {
             }
         }
         sums
+    }
+
+    /// Whether the colours are blends of two: all channels that change do so together. One channel that changes alone
+    /// is a blend where the others are not both none, or both all.
+    pub(super) fn is_blend(&self) -> bool {
+        let changes = |channel: &usize| self.covariance(*channel, *channel) > SAME * SAME;
+        let changing: Vec<usize> = (1..4).filter(changes).collect();
+        let together = |a: usize, b: usize| self.correlation(a, b).abs() > MIN_ONE;
+        match changing.as_slice() {
+            [] => true,
+            [_] => self.mean(1) > self.mean(3),
+            [a, b] => together(*a, *b),
+            _ => together(1, 2) && together(2, 3) && together(3, 1),
+        }
+    }
+
+    fn mean(&self, channel: usize) -> f64 {
+        self.sum[channel] / self.count.max(1.0)
     }
 
     fn covariance(&self, a: usize, b: usize) -> f64 {
@@ -129,7 +146,7 @@ mod tests {
             })
             .collect();
         let all: Vec<u32> = (0..mesh.triangles.len() as u32).collect();
-        look(&mesh, &all)
+        look(&mesh, &all, &Moments::of(&mesh, &all))
     }
 
     #[test]
@@ -144,5 +161,7 @@ mod tests {
         assert_eq!(painted(|_, along, _| [along; 3]), None, "a shade from the stem to the tip");
         assert_eq!(painted(|_, _, height| [0.1 + 0.9 * height; 3]), None, "a shade from below to above");
         assert_eq!(painted(|_, _, _| [0.5, 0.7, 0.3]), None);
+        assert_eq!(painted(|_, along, _| [along, 1.0 - along, 0.05]), None, "red tips");
+        assert_eq!(painted(|_, _, height| [1.0, 0.9 * height, 0.1]), None, "from red to yellow");
     }
 }

@@ -35,9 +35,10 @@ fn a_card_of_the_whole_plant_among_its_leaves_is_a_doubt() {
     // Ground of grass under it.
     let [a, b, c, d] = [[-5.0, 0.0, -5.0], [5.0, 0.0, -5.0], [5.0, 0.0, 5.0], [-5.0, 0.0, 5.0]];
     assert_eq!(names(&with_cards(&[[a, b, c], [a, c, d]])), ["card"]);
-    // Tufts of crossed cards have no other leaves.
+    // A tree of whole-tree cards alone; tufts of crossed cards have no other leaves.
     let [wood, _] = tree();
-    assert!(!names(&plant(&wood, &card(), |point| point)).contains(&"card"));
+    assert!(names(&plant(&wood, &card(), |point| point)).contains(&"card"));
+    assert!(!names(&plant(&wood, &card(), |point| point.map(|c| 0.05 * c))).contains(&"card"));
 }
 
 /// A grid of `cells` by `cells` over u and v from 0 to 1, two triangles a cell.
@@ -250,16 +251,20 @@ fn colours_of_vertices_over_a_texture_are_doubted_where_they_look_like_data() {
     };
     let random =
         |vertex: usize, band: u32| (crate::sampling::hash(3 * vertex as u32 + band) % 256) as f32 / 255.0;
-    let looks: [(Paint<'_>, Option<Painted>); 9] = [
+    let looks: [(Paint<'_>, Option<Painted>); 12] = [
         (&|_| [0.0; 3], Some(Painted::Black)),
         (&|vertex| [0.0, 0.0, random(vertex, 0)], Some(Painted::OneChannel)),
         (&|vertex| [0, 1, 2].map(|band| random(vertex, band)), Some(Painted::AllHues)),
         (&|vertex| [random(vertex, 0), 0.0, random(vertex, 1)], Some(Painted::TwoChannels)),
-        (&|_| [1.0, 1.0, 0.0], Some(Painted::TwoChannels)),
+        (&|vertex| [random(vertex, 0), random(vertex, 1), 0.0], Some(Painted::TwoChannels)),
+        (&|vertex| [0.1 * random(vertex, 0), 0.0, 0.0], Some(Painted::OneChannel)),
         // Shade, and an autumn from green to red.
         (&|vertex| [0.2 + 0.8 * random(vertex, 0); 3], None),
         (&|vertex| [random(vertex, 0), 1.0 - random(vertex, 0), 0.1], None),
         (&|_| [1.0, 0.3, 0.1], None),
+        // A ginkgo, and a red maple.
+        (&|vertex| [1.0, 0.7 + 0.2 * random(vertex, 0), 0.0], None),
+        (&|vertex| [0.7 + 0.2 * random(vertex, 0), 0.02, 0.0], None),
         (&|_| [1.0; 3], None),
     ];
     for (of, expected) in looks {

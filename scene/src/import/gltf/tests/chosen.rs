@@ -104,7 +104,7 @@ fn a_word_that_means_no_mesh_or_several_is_refused_with_those_that_would_do() {
         ("#-1", "gltf_mesh '#-1': no mesh has this number, of 0 to 3; "),
     ] {
         let error = read_mesh(&json, word).unwrap_err();
-        assert_eq!(error.to_string(), format!("forest.gltf: {found}{all}"));
+        assert_eq!(error.to_string(), format!("forest.gltf: --gltf-mesh or {found}{all}"));
         assert_eq!(error.fault(), Fault::Usage);
     }
     let mut many = json.clone();
