@@ -15,8 +15,9 @@ use std::collections::HashMap;
 use std::sync::LazyLock;
 
 use lists::{
-    AND, ATLASES, BRANCHES, COVERS, FLOWERS, FOREIGN, FOREIGN_WITHIN, GROWN, LEAF, LEAF_WITHIN, LEAVES,
-    NEUTRAL, OF, PLURALS, ROOTS, STAND_INS, STAND_INS_WITHIN, TRUNKS, TWIGS, WOOD, WOOD_WITHIN,
+    AND, ATLASES, BRANCHES, COVERS, FLOWERS, FLOWERS_WITHIN, FOREIGN, FOREIGN_WITHIN, GROWN, LEAF,
+    LEAF_WITHIN, LEAVES, NEUTRAL, OF, PLURALS, ROOTS, STAND_INS, STAND_INS_WITHIN, TRUNKS, TWIGS, WOOD,
+    WOOD_WITHIN,
 };
 use unicode_normalization::UnicodeNormalization;
 
@@ -82,7 +83,8 @@ pub(crate) fn is_of_several(name: &str) -> bool {
 pub(crate) fn is_flower(name: &str) -> bool {
     match told(name) {
         Told::Class(MaterialClass::Leaf, word) => {
-            is_in(FLOWERS, &word) || ["petal", "petals"].iter().any(|end| word.ends_with(end))
+            let mut within = FLOWERS_WITHIN.split_whitespace();
+            is_in(FLOWERS, &word) || within.any(|part| word.starts_with(part) || word.ends_with(part))
         }
         _ => false,
     }

@@ -301,7 +301,16 @@ fn white_is_the_colour_of_flowers_and_a_word_on_leaves() {
         (leaf(&colors).texel, leaf(&colors).warning.clone())
     };
     let picture = || squares(&[&[[255; 4]; 2]]);
-    for name in ["petals", "Blüten", "cherryPetal", "white_flower_mat", "flores"] {
+    for name in [
+        "petals",
+        "Blüten",
+        "cherryPetal",
+        "white_flower_mat",
+        "flor_blanca",
+        "Kirschblüten",
+        "花瓣",
+        "kwiat",
+    ] {
         assert_eq!(named(name, picture()), (Texel::Albedo, None), "{name}");
         assert_eq!(named(name, squares(&[&[[255; 4]]])), (Texel::Albedo, None), "{name}");
         assert_eq!(named(name, plain([1.0; 3])), (Texel::Albedo, None), "{name}");

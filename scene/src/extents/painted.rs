@@ -27,6 +27,8 @@ pub enum Painted {
     Same,
     /// One of red, green and blue runs from none to all in most blades, as weights of flutter do.
     Runs,
+    /// One of red, green and blue is random from blade to blade, as phases of wind are, and another runs along blades.
+    Phases,
     /// One of red, green and blue, and not all, follows the height from none to all, as weights of bending do.
     Height,
 }
@@ -60,6 +62,9 @@ impl Display for Painted {
             Painted::AllHues => "are of all hues",
             Painted::Same => "are nearly those of its texture or base colour",
             Painted::Runs => "run from 0 to 1 in one of red, green and blue in most leaves",
+            Painted::Phases => {
+                "are random from leaf to leaf in one of red, green and blue and run along leaves in another"
+            }
             Painted::Height => "follow the height in one of red, green and blue",
         })
     }

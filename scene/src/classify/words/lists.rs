@@ -10,13 +10,18 @@ pub(super) const LEAF: &str = "
     feuille feuilles feuillage aiguille aiguilles fleur fleurs herbe foglia foglie fogliame fiore fiori erba
     hoja hojas follaje flor flores hierba folha folhas folhagem petalo petali petalos pétale pétales
     blad bladeren naald naalden löv lov barr lisc liść liscie liście listi listí
+    bloem bloemen bloesem blomma blommor kwiat kwiaty płatek płatki květ květy
 ";
 
 /// Flowers, among the words of leaf: white ones are white.
 pub(super) const FLOWERS: &str = "
     petal petals flower flowers blossom blossoms bloom sepal bluete blüte blueten blüten fleur fleurs fiore fiori flor
-    flores petalo petali petalos pétale pétales
+    flores petalo petali petalos pétale pétales bloem bloemen bloesem blomma blommor kwiat kwiaty płatek płatki květ
+    květy
 ";
+
+/// Words of [`FLOWERS`] that count at the start or end of a longer part.
+pub(super) const FLOWERS_WITHIN: &str = "petal petals blüte blüten bluete blueten 花 цветок цветы лепест";
 
 /// Words of leaf that are said of bare wood, too.
 pub(super) const TWIGS: &str = "twig twigs zweig zweige";
@@ -46,6 +51,7 @@ pub(super) const WOOD: &str = "
 /// Leaf words that count at the start or end of a longer part.
 pub(super) const LEAF_WITHIN: &str = "
     leaf leaves foliage frond needle petal blatt blaetter blätter nadeln feuille 葉 叶 листь
+    blüte blüten bluete blueten 花 цветок цветы лепест
 ";
 
 /// Wood words that count at the start or end of a longer part. Not `wood` and `holz`, which end the
@@ -62,6 +68,7 @@ pub(super) const FOREIGN: &str = "
     metal iron steel plastic glass ceramic terracotta clay plinth pedestal stand table bench house building
     porcelain stoneware earthenware wicker saucer hangpot cachepot windowbox flowerbox compost substrate peat perlite
     helper dummy sky
+    swing ladder sign door lamp lantern trellis pergola lattice axe shed cabin chair stool barrel gate cart wheel statue
     porzellan steingut kasten blumenkasten untersetzer kompost torf
     topf blumentopf kübel kuebel vasen boden erde erdreich stein steine fels felsen mauer wand zaun kies beton
     ziegel beet
@@ -103,7 +110,9 @@ pub(super) const NEUTRAL: &str = "
     medium med mid long short thin thick tall young adult mature fresh dead dry dried wilted broken bare autumn
     fall spring summer winter season low high tip tips end ends all only cluster clusters clump clumps bunch
     bunches tuft tufts patch spray crossed cross
-    green red yellow orange brown white black grey gray dark light pink purple blue golden silver
+    green red yellow orange brown white black grey gray dark light pink purple blue golden silver pale
+    weiss weiß rot gelb rosa grün gruen blau braun blanc blanche rouge jaune vert verte blanco blanca rojo roja amarillo
+    amarilla verde azul bianco bianca rosso rossa giallo gialla branco branca
     tree trees plant plants bush shrub hedge oak maple pine spruce fir birch beech elm willow poplar aspen
     cherry apple palm cedar larch alder linden lime chestnut walnut hazel rowan sycamore eucalyptus olive
     juniper cypress yew holly bamboo boxwood ficus banana tropical conifer quercus acer pinus picea abies betula

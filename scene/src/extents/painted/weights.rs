@@ -8,8 +8,15 @@ use crate::sheets::blades;
 const MIN_RUN: f32 = 0.8;
 /// Share of the blades in which it does.
 const MIN_RUNNING: f64 = 0.6;
+/// A phase is the same all over a blade, up to this, in this share of the blades..
+const EVEN: f32 = 0.02;
+const MIN_EVEN: f64 = 0.9;
+/// ..and lies in so many tenths from 0 to 1 over all of them.
+const MIN_TENTHS: usize = 9;
+/// Beside a phase a channel that runs so far is a weight.
+const MIN_ALONG: f32 = 0.2;
 /// Fewer blades tell nothing.
-const MIN_BLADES: usize = 8;
+const MIN_BLADES: usize = 12;
 /// Least correlation of a channel with the height.
 const MIN_OF_HEIGHT: f64 = 0.98;
 /// Two channels are one, rising or falling together, where their correlation is this at least, either way.
@@ -30,11 +37,11 @@ pub(super) fn look(mesh: &Mesh, triangles: &[u32], moments: &Moments) -> Option<
     if (1..4).any(|channel| follows(&channel)) {
         return Some(Painted::Height);
     }
-    runs(mesh, triangles).then_some(Painted::Runs)
+    of_blades(mesh, triangles)
 }
 
-/// Whether a channel runs from 0 to 1 in most blades.
-fn runs(mesh: &Mesh, triangles: &[u32]) -> bool {
+/// Whether a channel runs from 0 to 1 in most blades, or one is random by blade and another runs along them.
+fn of_blades(mesh: &Mesh, triangles: &[u32]) -> Option<Painted> {
     let blades = blades(mesh, triangles);
     let count = blades.iter().max().map_or(0, |last| *last as usize + 1);
     let mut spans = vec![[[f32::INFINITY, f32::NEG_INFINITY]; 3]; count];
@@ -47,12 +54,27 @@ fn runs(mesh: &Mesh, triangles: &[u32]) -> bool {
     }
     // Not every number is one of a blade.
     let spans: Vec<_> = spans.into_iter().filter(|span| span[0][0] <= span[0][1]).collect();
-    let running = |channel: usize| {
-        let runs = |span: &&[[f32; 2]; 3]| span[channel][1] - span[channel][0] >= MIN_RUN;
-        spans.iter().filter(runs).count() as f64
+    if spans.len() < MIN_BLADES {
+        return None;
+    }
+    let share = |is: &dyn Fn([f32; 2]) -> bool, channel: usize| {
+        spans.iter().filter(|span| is(span[channel])).count() as f64 / spans.len() as f64
     };
-    let many = MIN_RUNNING * spans.len() as f64;
-    spans.len() >= MIN_BLADES && (0..3).any(|channel| running(channel) >= many)
+    let runs = |least: f32| move |[low, high]: [f32; 2]| high - low >= least;
+    if (0..3).any(|channel| share(&runs(MIN_RUN), channel) >= MIN_RUNNING) {
+        return Some(Painted::Runs);
+    }
+    let is_phase = |channel: &usize| {
+        let is_even = |[low, high]: [f32; 2]| high - low <= EVEN;
+        let tenths = (0..10u8).filter(|tenth| {
+            let within = |[low, _]: [f32; 2]| (10.0 * low) as u8 == *tenth || (*tenth == 9 && low >= 1.0);
+            share(&within, *channel) > 0.0
+        });
+        share(&is_even, *channel) >= MIN_EVEN && tenths.count() >= MIN_TENTHS
+    };
+    let phase = (0..3).find(is_phase)?;
+    let runs_along = |channel: usize| channel != phase && share(&runs(MIN_ALONG), channel) >= MIN_RUNNING;
+    (0..3).any(runs_along).then_some(Painted::Phases)
 }
 
 /// Sums over corners: of height, red, green and blue.
@@ -126,9 +148,9 @@ mod tests {
     use super::*;
     use crate::mesh::testing::soup;
 
-    /// Twenty blades from 1 m up, of two triangles each, painted by blade, corner's place along the blade, and height.
+    /// Sixty blades from 1 m up, of two triangles each, painted by blade, corner's place along the blade, and height.
     fn painted(paint: impl Fn(f32, f32, f32) -> [f32; 3]) -> Option<Painted> {
-        let blades = (0..20).map(|at| (at as f32 * 0.618).fract()).map(|place| {
+        let blades = (0..60).map(|at| (at as f32 * 0.618).fract()).map(|place| {
             let (x, y) = (4.0 * place, 1.0 + (7.0 * place).fract());
             [
                 [[x, y, 0.0], [x + 0.1, y, 0.0], [x, y, 0.1]],
@@ -140,10 +162,7 @@ mod tests {
         mesh.colors = mesh
             .positions
             .iter()
-            .map(|[x, y, z]| {
-                let place = if *x % 0.2 < 0.05 { *x } else { *x - 0.1 };
-                paint((place * 3.7).fract(), z * 10.0, y - 1.0)
-            })
+            .map(|[_, y, z]| paint(((y - 1.0) * 97.0).fract(), z * 10.0, y - 1.0))
             .collect();
         let all: Vec<u32> = (0..mesh.triangles.len() as u32).collect();
         look(&mesh, &all, &Moments::of(&mesh, &all))
@@ -153,6 +172,7 @@ mod tests {
     fn weights_of_wind_are_no_colours() {
         assert_eq!(painted(|blade, along, _| [blade, along, 0.5]), Some(Painted::Runs));
         assert_eq!(painted(|blade, _, height| [blade, 0.5, height]), Some(Painted::Height));
+        assert_eq!(painted(|blade, along, _| [blade, 0.5 * along, 0.9]), Some(Painted::Phases));
     }
 
     #[test]
