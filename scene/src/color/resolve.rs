@@ -164,11 +164,13 @@ impl Found {
     }
 }
 
-/// Which materials are flowers: by their names, else by those of all parts that use them.
+/// Which materials are flowers: by their names, else by those of all parts that use them, not of nodes above: a plant
+/// may be called a flower.
 fn are_flowers(mesh: &Mesh) -> Vec<bool> {
     let mut by_parts = vec![None; mesh.materials.len()];
     for part in &mesh.parts {
-        let is_flower = told_of_part(part).is_some_and(|(_, name)| is_flower(name));
+        let is_flower = told_of_part(part)
+            .is_some_and(|(_, name)| is_flower(name) && part.own_names().iter().any(|own| own == name));
         for used in &part.uses {
             let slot = &mut by_parts[used.material as usize];
             *slot = Some(slot.unwrap_or(true) && is_flower);

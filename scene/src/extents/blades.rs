@@ -2,10 +2,10 @@
 
 use super::leaves::Leaves;
 use super::{Doubt, Extents};
-use crate::ClassedMesh;
 use crate::import::area;
 use crate::sheets::corners;
 use crate::unit::UNITS;
+use crate::{ClassedMesh, MaterialClass};
 
 /// Longest leaves that are not doubted, metres: bananas', and cards of a twig.
 const MAX_M: f64 = 3.0;
@@ -58,7 +58,9 @@ pub(super) fn doubt(
         let is_short = length_m < MIN_M && OF_LEAF * length_m < longest_m;
         return is_short.then(|| Doubt::LeafSize { length_m, expected_m: [MIN_M, MAX_M], units: Vec::new() });
     }
-    let most_m = if length_m > OF_PLANT * longest_m { MAX_OF_PALMS_M } else { MAX_M };
+    // A palm has a trunk, and a rosette has none.
+    let has_wood = plant.classes.contains(&MaterialClass::Wood);
+    let most_m = if has_wood && length_m > OF_PLANT * longest_m { MAX_OF_PALMS_M } else { MAX_M };
     if length_m <= most_m || edge_m < MIN_EDGE_M {
         return None;
     }
@@ -85,11 +87,14 @@ fn median(mut values: Vec<(f64, f64)>) -> Option<f64> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::MaterialClass;
     use crate::mesh::testing::soup;
 
     /// A trunk as high as this, and leaves about it of this length, of two triangles each.
     fn found(height: f32, leaf: f32) -> Option<Doubt> {
+        found_with(height, leaf, MaterialClass::Wood)
+    }
+
+    fn found_with(height: f32, leaf: f32, trunk_is: MaterialClass) -> Option<Doubt> {
         let trunk = [[[-0.05 * height, 0.0, 0.0], [0.05 * height, 0.0, 0.0], [0.0, height, 0.0]]];
         let leaves = (0..200).flat_map(|at| {
             let place = |step: f32| height * (at as f32 * step).fract();
@@ -101,7 +106,7 @@ mod tests {
         let all: Vec<[[f32; 3]; 3]> = trunk.into_iter().chain(leaves).collect();
         let mut mesh = soup(&all);
         mesh.triangle_material = (0..all.len() as u32).map(|at| u32::from(at == 0)).collect();
-        let plant = ClassedMesh { mesh, classes: vec![MaterialClass::Leaf, MaterialClass::Wood] };
+        let plant = ClassedMesh { mesh, classes: vec![MaterialClass::Leaf, trunk_is] };
         let extents = Extents::of(&plant).expect("a box");
         doubt(&plant, &Leaves::of(&plant), &extents, None)
     }
@@ -116,6 +121,7 @@ mod tests {
             }
             other => panic!("{other:?}"),
         }
+        assert!(found_with(9.0, 5.0, MaterialClass::Neither).is_some(), "a rosette in centimetres");
         // A tree of 13 m, centimetres taken for metres once too often.
         assert!(matches!(found(0.13, 0.0012), Some(Doubt::LeafSize { .. })));
         // A tree with cards of its twigs, a banana, a palm, and herbs; moss and thyme.
