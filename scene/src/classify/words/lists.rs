@@ -68,7 +68,7 @@ pub(super) const FOREIGN: &str = "
     metal iron steel plastic glass ceramic terracotta clay plinth pedestal stand table bench house building
     porcelain stoneware earthenware wicker saucer hangpot cachepot windowbox flowerbox compost substrate peat perlite
     helper dummy sky
-    swing ladder sign door lamp lantern trellis pergola lattice axe shed cabin chair stool barrel gate cart wheel statue
+    swing sign door lamp lantern axe shed cabin chair stool barrel gate cart wheel statue
     porzellan steingut kasten blumenkasten untersetzer kompost torf
     topf blumentopf kübel kuebel vasen boden erde erdreich stein steine fels felsen mauer wand zaun kies beton
     ziegel beet
