@@ -10,7 +10,7 @@ const SPAN: f64 = 0.4;
 const MAX_COUNT: f64 = 0.05;
 /// ..and this share of the leaf area at least.
 const MIN_AREA: f64 = 0.2;
-/// Of a plant so high, metres, such triangles are cards, too, where they are this share of the leaf area and no more in
+/// Of a plant higher than this, metres, such triangles are cards, too, where they are this share of the leaf area and no more in
 /// number: a tree of whole-tree cards. Leaves of small plants are that large.
 const MIN_HIGH_M: f64 = 2.0;
 const MIN_OF_TREE: f64 = 0.5;
@@ -46,7 +46,7 @@ pub(super) fn doubt(plant: &ClassedMesh, extents: &Extents) -> Option<Doubt> {
         }
     }
     let is_few = of_cards > 0 && of_cards as f64 <= MAX_COUNT * triangles as f64;
-    let is_all = height >= MIN_HIGH_M && of_cards <= MAX_CARDS && cards_m2 >= MIN_OF_TREE * leaf_m2;
+    let is_all = height > MIN_HIGH_M && of_cards <= MAX_CARDS && cards_m2 >= MIN_OF_TREE * leaf_m2;
     (of_cards > 0 && (is_few && cards_m2 >= MIN_AREA * leaf_m2 || is_all)).then(|| Doubt::Card {
         triangles: of_cards,
         share: cards_m2 / leaf_m2,
