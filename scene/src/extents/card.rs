@@ -10,8 +10,8 @@ const SPAN: f64 = 0.4;
 const MAX_COUNT: f64 = 0.05;
 /// ..and this share of the leaf area at least.
 const MIN_AREA: f64 = 0.2;
-/// Of a plant higher than this, metres, such triangles are cards, too, where they are this share of the leaf area and no
-/// more in number: a tree of whole-tree cards. Leaves of small plants are that large.
+/// Of a plant higher than this, metres, such triangles are cards, too, where they are this share of the leaf area and
+/// no more in number: a tree of whole-tree cards. Leaves of small plants are that large.
 const MIN_HIGH_M: f64 = 2.0;
 const MIN_OF_TREE: f64 = 0.5;
 const MAX_CARDS: u64 = 64;
